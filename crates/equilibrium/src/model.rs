@@ -447,9 +447,9 @@ impl<'a> Properties<'a> {
         self.model.others.iter().any(|c| c.path_dependence().is_some())
     }
 
-    /// The largest ratio of bulk to shear modulus of the cells at rest, of their passive laws: how nearly incompressible the body is.
-    pub fn bulk_over_shear(&self) -> f64 {
-        -self.model.space.least(-self.model.body.bulk_over_shear())
+    /// The largest ratio of bulk to shear modulus of the cells at rest, of their passive laws with the designs among the controls: how nearly incompressible the body is.
+    pub fn bulk_over_shear(&self, controls: &Controls) -> f64 {
+        -self.model.space.least(-self.model.body.bulk_over_shear(controls))
     }
 
     /// Whether all contributions have a potential.

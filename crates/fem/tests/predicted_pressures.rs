@@ -9,7 +9,7 @@ use crate::common;
 
 use common::block::STRICT;
 use common::{Outcome, bending, distance, largest, regular};
-use nastic_energy::{FiberTension, NeoHooke, NeoHookeIsochoric};
+use nastic_energy::{FiberTension, KinematicGrowth, NeoHooke, NeoHookeIsochoric, Scale, Weighted};
 use nastic_fem::{
     Formulation, Inertia, Scheme, Solid, SolveOptions, SolveReport, Solver, State, StepTo, TimeStepping, Trajectory,
     Workspace,
@@ -17,6 +17,7 @@ use nastic_fem::{
 use nastic_linear::SolverFactory;
 use nastic_mesh::CellKind;
 use nastic_tensor::Vec3;
+use std::sync::Arc;
 
 const KINDS: [CellKind; 4] = [CellKind::Hex8, CellKind::Tet4, CellKind::Hex27, CellKind::Tet10];
 /// Bulk modulus: 10,000 times the shear modulus.
@@ -154,6 +155,52 @@ fn time_steps_take_few_iterations() -> Outcome {
     for state in &trajectory.states()[1..] {
         println!("{} Newton iterations, {} factors", state.report.newton, state.report.factorisations);
         assert!(state.report.newton <= 7 && state.report.unpredicted == 0, "{:?}", state.report);
+    }
+    Ok(())
+}
+
+/// A bar behind a density of one tenth, and one whose moduli are a tenth: the same energy, so the same steps.
+#[test]
+fn densities_change_no_number_of_iterations() -> Outcome {
+    for kind in [CellKind::Hex8, CellKind::Tet4, CellKind::Hex27] {
+        for solver in [Solver::DIRECT, Solver::MULTIGRID] {
+            let mesh = || regular(kind, [10.0, 2.0, 1.0], [12, 3, 2]);
+            let loaded = |solid: Solid| -> Outcome<Solid> {
+                Ok(solid.formulation("body", formulation(kind))?.clamp("x-")?.traction("x+", Vec3::z() * 0.002)?)
+            };
+            let law = Arc::new(NeoHookeIsochoric::new(1.0, 1e3)?);
+            let behind = Weighted::scaled("rho", law, Scale::Factor)?;
+            let behind = loaded(Solid::new(mesh()?)?.actuate("body", "stiff", behind)?)?;
+            let plain = loaded(Solid::new(mesh()?)?.material("body", NeoHookeIsochoric::new(0.1, 100.0)?)?)?;
+            let mut tenth = behind.controls();
+            tenth.values_mut(0).fill(0.1);
+            let how = SolveOptions { solver: Some(solver), ..SolveOptions::default() };
+            let [of, by] = [(&behind, &tenth), (&plain, &plain.controls())].map(|(solid, m)| solid.solve(m, &how));
+            let (of, by) = (of?, by?);
+            println!("{kind}, {}: {:?}, {:?}", solver.name(), of.report, by.report);
+            // rounding may end one of them an iteration earlier
+            assert!(of.report.newton.abs_diff(by.report.newton) <= 1, "{kind}, {}", solver.name());
+            assert_eq!([of.report.unpredicted, by.report.unpredicted], [0, 0], "{kind}, {}", solver.name());
+            assert!(distance(&of.u, &by.u) < 1e-8 * largest(&by.u), "{kind}, {}", solver.name());
+        }
+    }
+    Ok(())
+}
+
+/// A clamped bar that swells by a tenth of its volume and bends: pressures are those of the grown laws.
+#[test]
+fn a_body_that_swells_takes_few_iterations() -> Outcome {
+    for kind in [CellKind::Hex8, CellKind::Tet4, CellKind::Hex27] {
+        for solver in [Solver::DIRECT, Solver::MULTIGRID] {
+            let solid = bar(kind, formulation(kind), 1e3, 0.005)?;
+            let solid = solid.actuate("body", "growth", KinematicGrowth::isotropic())?;
+            let mut swollen = solid.controls();
+            swollen.values_mut(0).fill(0.03);
+            let how = SolveOptions { solver: Some(solver), ..SolveOptions::default() };
+            let report = solid.solve(&swollen, &how)?.report;
+            println!("{kind}, {}: {report:?}", solver.name());
+            assert!(report.newton <= 12 && report.unpredicted == 0, "{kind}, {}: {report:?}", solver.name());
+        }
     }
     Ok(())
 }

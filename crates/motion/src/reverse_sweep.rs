@@ -393,7 +393,7 @@ impl<'a> ReverseSweep<'a> {
             return Ok(vec![0.0; self.model.unknowns().len()]);
         }
         let solver = self.model.linear_solver(self.how, self.workspace);
-        let mut systems = TangentSystems::new(self.model, self.how.parallel, solver);
+        let mut systems = TangentSystems::new(self.model, at.controls, self.how.parallel, solver);
         let mut solved = self.model.solve_transposed_at(at, &[&rhs], end, &mut systems, &mut self.report)?;
         Ok(solved.swap_remove(0))
     }

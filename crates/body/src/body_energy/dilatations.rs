@@ -1,6 +1,8 @@
 //! The changes of volume that nearly incompressible laws see, by quadrature points.
 
 use crate::body_energy::BodyEnergy;
+use crate::body_energy::driving::Driving;
+use crate::controls::Controls;
 use crate::error::Inadmissible;
 use crate::kernels::cell_scratch::Scratch;
 use crate::kernels::cells::Cells;
@@ -15,8 +17,10 @@ pub enum Dilatation<'a> {
     Value,
     /// Its change along a displacement.
     Change(&'a [f64]),
-    /// The second derivative of the passive energy by it, times the weight of the point.
+    /// The second derivative of the passive energy by it, times the weight of the point, with designs and growth among the controls.
     Stiffness,
+    /// The first derivative of the same energy over the second: the error of the volume that makes all of its pressure.
+    PressureError,
 }
 
 impl BodyEnergy {
@@ -24,9 +28,15 @@ impl BodyEnergy {
     ///
     /// # Errors
     /// [`Inadmissible`] where the displacement is.
-    pub fn dilatations(&self, to: Displaced, what: Dilatation, parallel: bool) -> Result<Vec<f64>, Inadmissible> {
+    pub fn dilatations(
+        &self,
+        to: Displaced,
+        controls: &Controls,
+        what: Dilatation,
+        parallel: bool,
+    ) -> Result<Vec<f64>, Inadmissible> {
         let mut all = vec![0.0; self.disc.points().len()];
-        let at = At { body: self, to, what };
+        let at = At { body: self, to, controls, what };
         self.sweep(
             parallel,
             |cells| cells.part.table.points,
@@ -44,6 +54,7 @@ impl BodyEnergy {
 struct At<'a> {
     body: &'a BodyEnergy,
     to: Displaced<'a>,
+    controls: &'a Controls,
     what: Dilatation<'a>,
 }
 
@@ -56,16 +67,21 @@ impl At<'_> {
         found: &mut Vec<f64>,
     ) -> Result<(), Inadmissible> {
         found.clear();
-        let body = self.body;
-        if body.stiff_share(cells, patch).is_none() {
+        let (body, controls) = (self.body, self.controls);
+        if body.stiff_share(cells, patch, controls).is_none() {
             return Ok(());
         }
-        body.kinematics(cells, patch, self.to, None, scratch)?;
+        body.kinematics(cells, patch, self.to, Some(Driving::relaxed(controls)), scratch)?;
         match self.what {
             Dilatation::Value => found.extend(scratch.kinematics.iter().map(Kinematics::j)),
             Dilatation::Stiffness => {
-                *found = body.volume_stiffness(cells, patch, scratch);
-                found.iter_mut().zip(&scratch.weights).for_each(|(stiffness, w)| *stiffness *= w);
+                let derivatives = body.derivatives_by_volume(cells, patch, controls, scratch);
+                found.extend(derivatives.iter().zip(&scratch.weights).map(|([_, second], w)| second * w));
+            }
+            Dilatation::PressureError => {
+                let derivatives = body.derivatives_by_volume(cells, patch, controls, scratch);
+                found
+                    .extend(derivatives.iter().map(|[first, second]| if *second > 0.0 { first / second } else { 0.0 }));
             }
             Dilatation::Change(along) => {
                 let formulation = body.arithmetic_of(cells.first(patch));

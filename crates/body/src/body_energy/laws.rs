@@ -4,10 +4,11 @@ use crate::body_energy::BodyEnergy;
 use crate::body_energy::cell_law::{CellLaw, LawSlots};
 use crate::body_energy::driving::Driving;
 use crate::body_energy::formulation::Formulation;
+use crate::controls::Controls;
 use crate::error::FemError;
 use crate::kernels::cells::Cells;
 use crate::kernels::patch::Patch;
-use nastic_energy::{EnergyError, EnergyTerm, MaterialPoint, PointBatch, Slot};
+use nastic_energy::{EnergyError, EnergyTerm, MaterialPoint, PointBatch, Slot, Slots};
 use nastic_mesh::GroupNames;
 use std::sync::Arc;
 
@@ -65,6 +66,19 @@ impl BodyEnergy {
         let own = actuations.iter().filter(|&&k| !self.is_growth(k)).map(|&k| &self.actuations[k].law);
         let with_slots = own.filter(|law| law.is_material());
         terms.iter().map(|&t| &self.terms[t]).chain(with_slots)
+    }
+
+    /// The materials of a cell without its growth, with what the designs among the controls are there; viscous ones are relaxed.
+    pub(super) fn ungrown_materials<'b>(
+        &'b self,
+        at: &'b PointBatch,
+        controls: &'b Controls,
+    ) -> impl Iterator<Item = (&'b Arc<dyn EnergyTerm>, Slots<'b>)> {
+        let Composition { terms, actuations, .. } = self.composition_of(at.cell);
+        let own = actuations.iter().filter(|&&k| !self.is_growth(k) && self.actuations[k].law.is_material());
+        let slots = move |k: usize| Driving::relaxed(controls).slots(k, at);
+        let with_slots = own.map(move |&k| (&self.actuations[k].law, slots(k)));
+        terms.iter().map(|&t| (&self.terms[t], Slots::none())).chain(with_slots)
     }
 
     /// The laws of a cell as they are evaluated there.

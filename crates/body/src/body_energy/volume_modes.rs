@@ -1,12 +1,14 @@
 //! The changes of volume that a nearly incompressible body resists, for linear solvers.
 
 use crate::body_energy::BodyEnergy;
+use crate::body_energy::driving::Driving;
+use crate::controls::Controls;
 use crate::error::Inadmissible;
 use crate::kernels::cell_scratch::Scratch;
 use crate::kernels::cells::Cells;
 use crate::kernels::displaced::Displaced;
 use crate::kernels::patch::Patch;
-use nastic_energy::{EnergyTerm, Response, Slots, Want};
+use nastic_energy::{EnergyTerm, Response, Want};
 use nastic_linear::VolumeModes;
 use nastic_tensor::{Kinematics, Mat3, Tangent};
 
@@ -16,7 +18,7 @@ pub const STANDS_OUT: f64 = 30.0;
 pub const LEFT: f64 = 8.0;
 
 impl BodyEnergy {
-    /// Those of the cells whose formulation gives them few and whose passive laws resist them much, at a displacement: for a mode of the projection
+    /// Those of the cells whose formulation gives them few and whose passive laws, with the designs and the growth among the controls, resist them much, at a displacement: for a mode of the projection
     /// of J the rows of its change, and with the passive energy W of `Fbar`
     ///
     /// ```text
@@ -31,6 +33,7 @@ impl BodyEnergy {
     pub fn volume_modes(
         &self,
         to: Displaced,
+        controls: &Controls,
         fixed: &[bool],
         expected: Option<&[f64]>,
         parallel: bool,
@@ -39,7 +42,7 @@ impl BodyEnergy {
         if !self.groups().any(|(cells, _)| self.projects(cells)) {
             return Ok(None);
         }
-        let work = Modes { body: self, to, expected };
+        let work = Modes { body: self, to, controls, expected };
         self.sweep(
             parallel,
             Cells::row_length,
@@ -64,12 +67,13 @@ impl BodyEnergy {
     pub fn volume_modes_at_points(
         &self,
         to: Displaced,
+        controls: &Controls,
         by_mode: &[f64],
         parallel: bool,
     ) -> Result<Vec<f64>, Inadmissible> {
         let none = vec![0.0; self.disc.points().len()];
         let (mut all, mut left) = (none.clone(), by_mode);
-        let work = Modes { body: self, to, expected: Some(&none) };
+        let work = Modes { body: self, to, controls, expected: Some(&none) };
         self.sweep(
             parallel,
             Cells::row_length,
@@ -92,6 +96,7 @@ impl BodyEnergy {
 struct Modes<'a> {
     body: &'a BodyEnergy,
     to: Displaced<'a>,
+    controls: &'a Controls,
     /// Changes of volume by quadrature point.
     expected: Option<&'a [f64]>,
 }
@@ -116,14 +121,15 @@ impl Modes<'_> {
     ) -> Result<(), Inadmissible> {
         found.modes.clear();
         found.shapes.clear();
-        let body = self.body;
+        let (body, controls) = (self.body, self.controls);
         let formulation = body.arithmetic_of(cells.first(patch));
         if formulation.is_affine() {
             return Ok(());
         }
-        let Some(share) = body.stiff_share(cells, patch) else { return Ok(()) };
-        body.kinematics(cells, patch, self.to, None, scratch)?;
-        let stiffness = body.volume_stiffness(cells, patch, scratch).into_iter().fold(f64::INFINITY, f64::min);
+        let Some(share) = body.stiff_share(cells, patch, controls) else { return Ok(()) };
+        body.kinematics(cells, patch, self.to, Some(Driving::relaxed(controls)), scratch)?;
+        let derivatives = body.derivatives_by_volume(cells, patch, controls, scratch);
+        let stiffness = derivatives.iter().fold(f64::INFINITY, |least, [_, second]| least.min(*second));
         if !stiffness.is_finite() || stiffness <= 0.0 {
             return Ok(());
         }
@@ -150,27 +156,34 @@ impl BodyEnergy {
     }
 
     /// The share of its bulk modulus that makes the changes of volume of a patch stand out; `None` where they do not.
-    pub(super) fn stiff_share(&self, cells: Cells, patch: Patch) -> Option<f64> {
-        let ratio = self.ratio_of(cells.first(patch), cells.part.first_point(cells.number(patch)));
+    pub(super) fn stiff_share(&self, cells: Cells, patch: Patch, controls: &Controls) -> Option<f64> {
+        let ratio = self.ratio_of(cells.first(patch), cells.part.first_point(cells.number(patch)), controls);
         (ratio >= STANDS_OUT).then(|| 1.0 - LEFT / ratio)
     }
 
-    /// The second derivative of the passive energy by the determinant that laws see, at the points of a patch that was moved to.
-    pub(super) fn volume_stiffness(&self, cells: Cells, patch: Patch, scratch: &mut Scratch) -> Vec<f64> {
+    /// First and second derivative of the passive energy by the determinant that laws see, at the points of a patch that was moved to.
+    pub(super) fn derivatives_by_volume(
+        &self,
+        cells: Cells,
+        patch: Patch,
+        controls: &Controls,
+        scratch: &mut Scratch,
+    ) -> Vec<[f64; 2]> {
         let want = Want { energy: false, stress: true, tangent: true };
         scratch.clear(want);
         for (range, at) in cells.batches(patch, &scratch.kinematics) {
             let stress = &mut scratch.stress[range.clone()];
             let mut out = Response { energy: &mut [], stress, tangent: &mut scratch.tangent[range] };
-            for law in self.materials_of(at.cell) {
-                law.respond(&at, Slots::none(), want, &mut out);
+            for (law, m) in self.materials(&at, Driving::relaxed(controls)) {
+                law.respond(&at, m.get(), want, &mut out);
             }
         }
         let d = cells.dim;
         let of_point = |((kinematics, tangent), stress): ((&Kinematics, &Tangent), &Mat3)| {
             let f = Mat3::from_fn(|i, k| if i < d && k < d { kinematics.f()[(i, k)] } else { 0.0 });
             let dim = d as f64;
-            (f.dot(&tangent.apply(&f)) + (1.0 - dim) * stress.dot(&f)) / (dim * kinematics.j()).powi(2)
+            let (by_f, d_j) = (stress.dot(&f), dim * kinematics.j());
+            [by_f / d_j, (f.dot(&tangent.apply(&f)) + (1.0 - dim) * by_f) / d_j.powi(2)]
         };
         let points = scratch.kinematics.iter().zip(&scratch.tangent).zip(&scratch.stress);
         points.map(of_point).collect()

@@ -65,7 +65,7 @@ impl Model {
         let columns: Vec<&[f64]> = rhs.iter().map(Vec::as_slice).collect();
         let mut report = SolveReport::default();
         let solver = self.linear_solver(how, workspace);
-        let mut systems = TangentSystems::new(self, how.parallel, solver);
+        let mut systems = TangentSystems::new(self, &state.controls, how.parallel, solver);
         if self.unknowns().multipliers() == 0
             && !self.touches_something()
             && let [b] = columns[..]
@@ -139,10 +139,11 @@ impl Model {
         }
         if self.unknowns().multipliers() > 0 {
             let system = self.saddle_point_at(&at).map_err(|at| inverted(at, state))?;
-            let mut systems = TangentSystems::new(self, how.parallel, self.linear_solver(how, workspace));
+            let mut systems =
+                TangentSystems::new(self, &state.controls, how.parallel, self.linear_solver(how, workspace));
             return Ok(system.inertia(&mut systems, self.nodal(&state.u), &mut SolveReport::default())?);
         }
-        let mut systems = TangentSystems::new(self, how.parallel, self.linear_solver(how, workspace));
+        let mut systems = TangentSystems::new(self, &state.controls, how.parallel, self.linear_solver(how, workspace));
         let tangent = self.eliminated(&at, systems.takes_products()).map_err(|at| inverted(at, state))?;
         match systems.inertia(&tangent, &state.u) {
             Err(LinearError::NoEntries) => {

@@ -38,7 +38,7 @@ impl Model {
         workspace: &mut Workspace,
     ) -> Result<Inertia, StateError> {
         let (system, _) = self.anchored(at, factor).map_err(|at| inverted(at, state))?;
-        let mut systems = TangentSystems::new(self, how.parallel, self.linear_solver(how, workspace));
+        let mut systems = TangentSystems::new(self, at.controls, how.parallel, self.linear_solver(how, workspace));
         Ok(system.inertia(&mut systems, self.nodal(at.u), &mut SolveReport::default())?)
     }
 

@@ -162,7 +162,8 @@ impl<'a> SecondOrder<'a> {
         let Self { model, state, how, again, accuracy, .. } = *self;
         let at = self.instant();
         if let Some(free) = model.loose(&at) {
-            let mut systems = TangentSystems::new(model, how.parallel, model.linear_solver(how, self.workspace));
+            let mut systems =
+                TangentSystems::new(model, &state.controls, how.parallel, model.linear_solver(how, self.workspace));
             let found = model.solve_neutral(&at, &free, &[&rhs], (state, accuracy), &mut systems, &mut self.report);
             return Ok(found?.pop().unwrap_or_default());
         }
@@ -171,14 +172,16 @@ impl<'a> SecondOrder<'a> {
             if transposition == Transposition::Yes {
                 system.transpose();
             }
-            let mut systems = TangentSystems::new(model, how.parallel, model.linear_solver(how, self.workspace));
+            let mut systems =
+                TangentSystems::new(model, &state.controls, how.parallel, model.linear_solver(how, self.workspace));
             let u = model.nodal(&state.u);
             system.prepare(&mut systems, u, &mut self.report)?;
             let mut solved = system.solve(&mut systems, u, &[&rhs], accuracy, &mut self.report)?.solved;
             return Ok(solved.pop().unwrap_or_default());
         }
         let kept = self.workspace.take_tangent();
-        let mut systems = TangentSystems::new(model, how.parallel, model.linear_solver(how, self.workspace));
+        let mut systems =
+            TangentSystems::new(model, &state.controls, how.parallel, model.linear_solver(how, self.workspace));
         if !again
             && kept.is_none()
             && let Some(x) = model.solve_by_products(state, &rhs, how, accuracy, &mut systems, &mut self.report)

@@ -3,6 +3,7 @@
 use crate::linear_systems::nodal_rotations::nodal_rotations;
 use crate::linear_systems::tangent::{Tangent, TangentRef};
 use crate::model::Model;
+use nastic_body::controls::Controls;
 use nastic_body::state::SolveReport;
 use nastic_linear::solver::{
     Accuracy, BlockElimination, Border, BorderedSolution, Configuration, Curvature, Definite, Inertia, Shift, Solution,
@@ -77,6 +78,7 @@ pub struct Counted<S> {
 /// Systems with the tangent of a model, by the solver of a workspace.
 pub struct TangentSystems<'a> {
     model: &'a Model,
+    controls: &'a Controls,
     parallel: bool,
     solver: &'a mut dyn LinearSolver,
     shift: Shift,
@@ -87,10 +89,10 @@ pub struct TangentSystems<'a> {
 }
 
 impl<'a> TangentSystems<'a> {
-    /// The systems of a model, with a solver.
-    pub fn new(model: &'a Model, parallel: bool, solver: &'a mut dyn LinearSolver) -> Self {
+    /// The systems of a model at controls, with a solver.
+    pub fn new(model: &'a Model, controls: &'a Controls, parallel: bool, solver: &'a mut dyn LinearSolver) -> Self {
         solver.restart();
-        TangentSystems { model, parallel, solver, shift: Shift::default(), expected: None, left: None }
+        TangentSystems { model, controls, parallel, solver, shift: Shift::default(), expected: None, left: None }
     }
 
     /// The Newton step of a tangent at u whose supports are eliminated, to a relative residual of `tolerance`, and the
@@ -104,8 +106,10 @@ impl<'a> TangentSystems<'a> {
         wanted: StepWanted,
         report: &mut SolveReport,
     ) -> Result<(Vec<f64>, Curvature), LinearError> {
-        let configuration =
-            Deformed { expected: self.expected.as_deref(), ..Deformed::new(self.model, u, self.parallel) };
+        let configuration = Deformed {
+            expected: self.expected.as_deref(),
+            ..Deformed::new(self.model, (u, self.controls), self.parallel)
+        };
         let system = configuration.system(tangent.into());
         let mut work = LinearWork::default();
         let found = self.solver.step(&system, rhs, tolerance, &mut work);
@@ -156,7 +160,7 @@ impl<'a> TangentSystems<'a> {
         report: &mut SolveReport,
     ) -> Result<Vec<f64>, LinearError> {
         self.left = None;
-        let configuration = Deformed::new(self.model, u, self.parallel);
+        let configuration = Deformed::new(self.model, (u, self.controls), self.parallel);
         let mut work = LinearWork::default();
         let step = self.shift.step(self.solver, &configuration.system(tangent.into()), rhs, &mut work);
         report.add_linear(self.solver, &work);
@@ -208,7 +212,7 @@ impl<'a> TangentSystems<'a> {
         transposition: Transposition,
         report: &mut SolveReport,
     ) -> Result<Solution, LinearError> {
-        let configuration = Deformed::new(self.model, u, self.parallel);
+        let configuration = Deformed::new(self.model, (u, self.controls), self.parallel);
         let system = System { transposed: transposition == Transposition::Yes, ..configuration.system(tangent) };
         let mut work = LinearWork::default();
         let solution = self.solver.solve(&system, b, accuracy, &mut work);
@@ -268,7 +272,7 @@ impl<'a> TangentSystems<'a> {
         b: &[f64],
         report: &mut SolveReport,
     ) -> Result<Vec<f64>, LinearError> {
-        let configuration = Deformed::new(self.model, u, self.parallel);
+        let configuration = Deformed::new(self.model, (u, self.controls), self.parallel);
         let mut work = LinearWork::default();
         let solved = self.solver.solve_definite(&configuration.system(matrix.into()), b, Definite::Once, &mut work);
         report.add_linear(self.solver, &work);
@@ -295,7 +299,7 @@ impl<'a> TangentSystems<'a> {
         u: &[f64],
         report: &mut SolveReport,
     ) -> Result<(), LinearError> {
-        let configuration = Deformed::new(self.model, u, self.parallel);
+        let configuration = Deformed::new(self.model, (u, self.controls), self.parallel);
         let mut work = LinearWork::default();
         let prepared = self.solver.prepare(&configuration.system(tangent.into()), &mut work);
         report.add_linear(self.solver, &work);
@@ -312,7 +316,7 @@ impl<'a> TangentSystems<'a> {
         rhs: (&[f64], &[f64]),
         report: &mut SolveReport,
     ) -> Result<(Vec<f64>, Vec<f64>), LinearError> {
-        let configuration = Deformed::new(self.model, u, self.parallel);
+        let configuration = Deformed::new(self.model, (u, self.controls), self.parallel);
         let system = configuration.system(matrix.into());
         let mut work = LinearWork::default();
         let found = solve_bordered(self.solver, &system, border, rhs, FULL_STEP, &mut work);
@@ -332,7 +336,7 @@ impl<'a> TangentSystems<'a> {
         accuracy: Accuracy,
         report: &mut SolveReport,
     ) -> Result<Counted<BorderedSolution>, LinearError> {
-        let configuration = Deformed::new(self.model, u, self.parallel);
+        let configuration = Deformed::new(self.model, (u, self.controls), self.parallel);
         let system = System { transposed, ..configuration.system(matrix.into()) };
         let scalars = border.columns.len();
         let mut work = LinearWork::default();
@@ -366,7 +370,7 @@ impl<'a> TangentSystems<'a> {
         border: &Border,
         report: &mut SolveReport,
     ) -> Result<Inertia, LinearError> {
-        let configuration = Deformed::new(self.model, u, self.parallel);
+        let configuration = Deformed::new(self.model, (u, self.controls), self.parallel);
         let system = configuration.system(matrix.into());
         let Inertia { negative: of_matrix, by_factor } = inertia(self.solver, &system)?;
         let mut work = LinearWork::default();
@@ -388,7 +392,7 @@ impl<'a> TangentSystems<'a> {
         most: usize,
         report: &mut SolveReport,
     ) -> Option<Vec<f64>> {
-        let configuration = Deformed::new(self.model, u, self.parallel);
+        let configuration = Deformed::new(self.model, (u, self.controls), self.parallel);
         let empty = self.model.matrix_without_values();
         let mut work = LinearWork::default();
         let x = self.solver.solve_by_products(
@@ -410,7 +414,7 @@ impl<'a> TangentSystems<'a> {
 
     /// Negative eigenvalues of a tangent whose supports are eliminated, and whether a factor shows them.
     pub fn inertia(&mut self, tangent: &Tangent, u: &[f64]) -> Result<Inertia, LinearError> {
-        let configuration = Deformed::new(self.model, u, self.parallel);
+        let configuration = Deformed::new(self.model, (u, self.controls), self.parallel);
         inertia(self.solver, &configuration.system(tangent.into()))
     }
 }
@@ -433,6 +437,7 @@ pub(crate) struct Deformed<'a> {
     model: &'a Model,
     /// The displacement.
     u: Cow<'a, [f64]>,
+    controls: &'a Controls,
     parallel: bool,
     rotations: OnceLock<Arc<Rotations>>,
     positions: OnceLock<Vec<[f64; 3]>>,
@@ -443,10 +448,11 @@ pub(crate) struct Deformed<'a> {
 }
 
 impl<'a> Deformed<'a> {
-    pub fn new(model: &'a Model, u: &'a [f64], parallel: bool) -> Self {
+    pub fn new(model: &'a Model, (u, controls): (&'a [f64], &'a Controls), parallel: bool) -> Self {
         Deformed {
             model,
             u: model.displacement(u),
+            controls,
             parallel,
             rotations: OnceLock::new(),
             positions: OnceLock::new(),
@@ -492,6 +498,7 @@ impl Configuration for Deformed<'_> {
     }
 
     fn volume_modes(&self) -> Option<&VolumeModes> {
-        self.volume_modes.get_or_init(|| self.model.volume_modes(&self.u, self.expected, self.parallel)).as_ref()
+        let make = || self.model.volume_modes((&self.u, self.controls), self.expected, self.parallel);
+        self.volume_modes.get_or_init(make).as_ref()
     }
 }

@@ -4,6 +4,7 @@ use super::Model;
 use crate::model::views::Tangents;
 use nastic_body::body_energy::hexahedra_products::HexahedraProducts;
 use nastic_body::contribution::point::Need;
+use nastic_body::controls::Controls;
 use nastic_body::error::Inadmissible;
 use nastic_body::instant::Instant;
 use nastic_body::kernels::displaced::Displaced;
@@ -14,12 +15,17 @@ use std::sync::Arc;
 impl Model {
     /// The changes of volume that its body resists much at a displacement, as a part of the tangent; nothing where no cell's stand out, or where unknowns are not
     /// displacements of nodes by themselves, all on one rank.
-    pub(crate) fn volume_modes(&self, u: &[f64], expected: Option<&[f64]>, parallel: bool) -> Option<VolumeModes> {
+    pub(crate) fn volume_modes(
+        &self,
+        (u, controls): (&[f64], &Controls),
+        expected: Option<&[f64]>,
+        parallel: bool,
+    ) -> Option<VolumeModes> {
         let plain = self.unknowns().has_one_nodal_field() && self.unknowns().multipliers() == 0;
         if !plain || !self.supports.ties().is_empty() || self.ranks().is_over_ranks() {
             return None;
         }
-        self.body.volume_modes(Displaced::by(u), self.supports.fixed(), expected, parallel).ok().flatten()
+        self.body.volume_modes(Displaced::by(u), controls, self.supports.fixed(), expected, parallel).ok().flatten()
     }
 }
 
@@ -45,7 +51,8 @@ impl Tangents<'_> {
     /// The same of a tangent that is assembled, as those of steps in time are. The pressures of nearly incompressible cells that become unknowns are counted at rest.
     pub fn assembled_multigrid_bytes(&self) -> usize {
         let structure = self.model.tangent_structure();
-        let modes = self.model.volume_modes(&vec![0.0; self.model.unknowns().nodal()], None, true);
+        let rest = (&*vec![0.0; self.model.unknowns().nodal()], &self.model.body.controls());
+        let modes = self.model.volume_modes(rest, None, true);
         let beside =
             modes.map_or(0, |modes| modes.bytes() + MultigridSolver::bytes_of_modes(structure.pattern(), modes.len()));
         structure.multigrid_bytes() + beside

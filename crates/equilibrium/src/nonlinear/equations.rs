@@ -77,6 +77,14 @@ impl<'a> Equations<'a> {
         }
     }
 
+    /// The controls that are given; along a path those at its end.
+    pub fn controls(&self) -> &'a Controls {
+        match self.drive {
+            Drive::Held { controls, .. } => controls,
+            Drive::Path { to, .. } => to.0,
+        }
+    }
+
     /// Whether the residual is the derivative of a potential: of the model, or with lagged normal forces of friction.
     pub fn has_potential(&self) -> bool {
         match self.drive {
@@ -346,7 +354,7 @@ impl<'a> Equations<'a> {
         let Equations { model, .. } = self;
         match model.ranks().is_over_ranks() {
             true => 0.0,
-            false => model.body.squared_force_of_moduli(&model.rigid_cells()).sqrt(),
+            false => model.body.squared_force_of_moduli(&model.rigid_cells(), self.controls()).sqrt(),
         }
     }
 

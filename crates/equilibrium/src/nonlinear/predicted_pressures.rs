@@ -9,7 +9,7 @@
 //! K_p du = -r(u),   K_p = K - sum_q w_q k_q e_q d^2 V_q / du^2,     e <- (1 - s) e + V(u_new) - V(u) - s B du
 //! ```
 //!
-//! after a share s of the step, from e = 0. Residual and equilibria are those of the displacement, and `e = 0` in equilibrium. This is Newton's method for the
+//! after a share s of the step, from e = 0, in a body that grows from `e = p / k`. Residual and equilibria are those of the displacement, and `e = 0` in equilibrium. This is Newton's method for the
 //! principle of Hu and Washizu with volumes and pressures eliminated from each step, exactly where the energy is quadratic in V, else to first order.
 //!
 //! Sources: Magisano, Leonetti, Garcea, "How to improve efficiency and robustness of the Newton method in geometrically
@@ -49,7 +49,7 @@ const MIN_FORCE_SHARE: f64 = 0.5;
 impl<'a> PredictedPressures<'a> {
     /// The pressures of the displacement at the beginning of an iteration; `None` where no cell is nearly incompressible.
     pub fn new(equations: &'a Equations<'a>) -> Option<Self> {
-        let ratio = equations.model.properties().bulk_over_shear();
+        let ratio = equations.model.properties().bulk_over_shear(equations.controls());
         let [errors, stiffness, volumes, changes] = std::array::from_fn(|_| Vec::new());
         let pressures = PredictedPressures {
             equations,
@@ -70,10 +70,15 @@ impl<'a> PredictedPressures<'a> {
     pub fn add(&mut self, here: &Iterate, tangent: &mut SparseMatrix) -> Result<f64, Inadmissible> {
         let Equations { model, options, .. } = *self.equations;
         let at = here.point.displaced(here.x);
-        let now = model.body.dilatations(at, Dilatation::Value, options.parallel)?;
-        self.stiffness = model.body.dilatations(at, Dilatation::Stiffness, options.parallel)?;
+        let controls = self.equations.controls();
+        let now = model.body.dilatations(at, controls, Dilatation::Value, options.parallel)?;
+        self.stiffness = model.body.dilatations(at, controls, Dilatation::Stiffness, options.parallel)?;
         if self.errors.is_empty() {
-            self.errors = vec![0.0; now.len()];
+            // a body that has grown since, or has another shape, begins with other volumes than its laws keep: their pressures are none of the solution
+            self.errors = match model.body.grows() {
+                true => model.body.dilatations(at, controls, Dilatation::PressureError, options.parallel)?,
+                false => vec![0.0; now.len()],
+            };
         } else {
             let s = self.length;
             let predicted = self.volumes.iter().zip(&self.changes).map(|(v, change)| v + s * change);
@@ -105,11 +110,11 @@ impl<'a> PredictedPressures<'a> {
     pub fn begin(&mut self, here: &Iterate, dx: &[f64], left: Option<&[f64]>) -> Result<(), Inadmissible> {
         let (at, parallel) = (here.point.displaced(here.x), self.equations.options.parallel);
         let body = &self.equations.model.body;
-        self.changes = body.dilatations(at, Dilatation::Change(dx), parallel)?;
+        self.changes = body.dilatations(at, self.equations.controls(), Dilatation::Change(dx), parallel)?;
         self.apart = None;
         if let Some(left) = left {
             let linear = self.changes.clone();
-            let left = body.volume_modes_at_points(at, left, parallel)?;
+            let left = body.volume_modes_at_points(at, self.equations.controls(), left, parallel)?;
             self.changes.iter_mut().zip(&left).for_each(|(change, left)| *change -= left);
             let share = self.share_of_errors();
             let sums = self.changes.iter().zip(&linear).zip(&self.stiffness);
@@ -140,7 +145,8 @@ impl<'a> PredictedPressures<'a> {
     /// `e(s) = V(u(s)) - V - s B du`. For a step whose pressures are not those of `B du`, along which this may increase, e is relative to the volumes at its end.
     pub fn energy_of_errors(&self, at: Displaced, length: f64) -> Result<f64, Inadmissible> {
         let Equations { model, options, .. } = *self.equations;
-        let now = model.body.dilatations(at, Dilatation::Value, options.parallel)?;
+        let controls = self.equations.controls();
+        let now = model.body.dilatations(at, controls, Dilatation::Value, options.parallel)?;
         let s = if self.apart.is_some() { 1.0 } else { length };
         let predicted = self.volumes.iter().zip(&self.changes).map(|(v, change)| v + s * change);
         let errors = now.iter().zip(predicted).map(|(now, predicted)| now - predicted);

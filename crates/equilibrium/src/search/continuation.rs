@@ -47,9 +47,10 @@ struct Way {
 
 impl Way {
     /// Steps in time are short, so that descent is not slow except under constraints without a potential, where the residual alone is searched.
-    fn new(model: &Model, in_time: bool) -> Self {
+    fn new(model: &Model, to: &Controls, in_time: bool) -> Self {
         let constrained = !(in_time && model.properties().has_potential()) && model.unknowns().multipliers() > 0;
-        Way { constrained, ratio: if in_time { 0.0 } else { model.properties().bulk_over_shear() }, helped: false }
+        let ratio = if in_time { 0.0 } else { model.properties().bulk_over_shear(to) };
+        Way { constrained, ratio, helped: false }
     }
 
     /// Whether descent on displacements is slow: a step that rotates or shears the body changes its volume, or violates the constraints.
@@ -371,7 +372,7 @@ impl Model {
     ) -> Result<State, StateError> {
         let mut here = from.clone();
         let (mut steps, mut follow, mut failed) = (LoadSteps::default(), None::<Vec<f64>>, false);
-        let mut way = Way::new(self, time_step.is_some());
+        let mut way = Way::new(self, to, time_step.is_some());
         let unbounded = self.unknowns().any(self.body.excess_tension(to).is_some());
         // in time, steps are short
         let obstacles_move = time_step.is_none() && {

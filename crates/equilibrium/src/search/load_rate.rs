@@ -41,7 +41,7 @@ impl Model {
         let [before, after] = [&now, &nudged].map(|newton| newton.evaluate(&here.u).map(|found| found.sums.force));
         let mut rhs: Vec<f64> = before.ok()?.iter().zip(&after.ok()?).map(|(a, b)| (a - b) / length).collect();
         self.supports.restrict(&mut rhs);
-        let mut systems = TangentSystems::new(self, how.parallel, self.linear_solver(how, workspace));
+        let mut systems = TangentSystems::new(self, &here.controls, how.parallel, self.linear_solver(how, workspace));
         let tangent = now.at(&here.u, |at| self.eliminated(at, false)).ok()?;
         let (rate, curvature) =
             systems.step(&tangent, &here.u, &rhs, LINEAR_TOLERANCE, StepWanted::Newton, report).ok()?;

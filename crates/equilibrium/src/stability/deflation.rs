@@ -113,8 +113,11 @@ impl Model {
         let known = Known::new(&equations, known.iter().map(|known| &known.state).collect());
         let solver = self.linear_solver(how, workspace);
         let mut direction = Deflated::new(&equations, &mut u, &known, solver);
-        let most =
-            if self.properties().bulk_over_shear() > MIN_STIFF_RATIO { MAX_ITERATIONS_STIFF } else { MAX_ITERATIONS };
+        let most = if self.properties().bulk_over_shear(&first.controls) > MIN_STIFF_RATIO {
+            MAX_ITERATIONS_STIFF
+        } else {
+            MAX_ITERATIONS
+        };
         Iteration::new(&equations, Limits::new(most, how.accuracy)).run(&mut u, &mut direction, report)?;
         let report = SolveReport { load_steps: 1, ..*report };
         let new = !known.contains(&u);

@@ -103,7 +103,7 @@ impl ArcStep<'_> {
         let mut system = SaddlePoint::new(model, tangent);
         let acting = equations.acting(point, x)?;
         system.set_acting(&acting, false);
-        let mut systems = TangentSystems::new(model, parallel, &mut *self.solver);
+        let mut systems = TangentSystems::new(model, equations.controls(), parallel, &mut *self.solver);
         let given = (f, &u[dofs..], scale * h);
         let (mut y, t) = system.solve_extended(&mut systems, &u[..dofs], extension, given, report)?;
         y.iter_mut().zip(&support).for_each(|(y, w)| *y += t * w);

@@ -66,7 +66,7 @@ pub(crate) struct Bordered<'a> {
 impl<'a> Bordered<'a> {
     /// Makes multipliers of inequalities at x admissible: in an extrapolated guess they may be negative.
     pub fn new(equations: &'a Equations<'a>, x: &mut [f64], solver: &'a mut dyn LinearSolver) -> Self {
-        let systems = TangentSystems::new(equations.model, equations.options.parallel, solver);
+        let systems = TangentSystems::new(equations.model, equations.controls(), equations.options.parallel, solver);
         let inequalities = equations.model.inequalities();
         equations.start_positive(x);
         Bordered { equations, systems, inequalities, jump: equations.jump(x), linearised: None, shift: 0.0 }

@@ -89,7 +89,12 @@ impl Direction for Deflated<'_> {
         let equations = self.equations;
         let (newton, scale) = match &mut self.newton {
             Newton::Plain(solver) => {
-                let mut systems = TangentSystems::new(equations.model, equations.options.parallel, &mut **solver);
+                let mut systems = TangentSystems::new(
+                    equations.model,
+                    equations.controls(),
+                    equations.options.parallel,
+                    &mut **solver,
+                );
                 let mut memory = None;
                 let matrix = equations.tangent(here, &mut memory)?;
                 let scale = equations.energy_scale(&*matrix, here.x, here.now);

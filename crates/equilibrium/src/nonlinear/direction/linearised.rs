@@ -22,7 +22,8 @@ pub(crate) struct Linearised<'a> {
 impl Direction for Linearised<'_> {
     fn find(&mut self, here: &Iterate, report: &mut SolveReport) -> Result<Step, Stop> {
         let equations = self.equations;
-        let mut systems = TangentSystems::new(equations.model, equations.options.parallel, &mut *self.solver);
+        let mut systems =
+            TangentSystems::new(equations.model, equations.controls(), equations.options.parallel, &mut *self.solver);
         let (jump, mut memory) = (equations.jump(here.x), None);
         let matrix = equations.tangent(here, &mut memory)?;
         let rhs = equations.right_hand_side(&*matrix, here.residual, jump.as_deref());

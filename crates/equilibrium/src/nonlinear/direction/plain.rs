@@ -45,7 +45,7 @@ pub(crate) struct Plain<'a> {
 
 impl<'a> Plain<'a> {
     pub fn new(equations: &'a Equations<'a>, u: &[f64], solver: &'a mut dyn LinearSolver) -> Self {
-        let systems = TangentSystems::new(equations.model, equations.options.parallel, solver);
+        let systems = TangentSystems::new(equations.model, equations.controls(), equations.options.parallel, solver);
         let jump = equations.jump(u);
         let (tangent, rhs, pressures) = (None, Vec::new(), None);
         Plain { equations, systems, tangent, rhs, jump, partly: false, flat: false, pressures }

@@ -51,7 +51,7 @@ impl<'a> WithPointStrains<'a> {
         let (model, parallel) = (equations.model, equations.options.parallel);
         let of = |at: &Instant| PointStrains::of(&model.body, model.nodal(at.u), Driving::of(at), parallel);
         let strains = equations.at(x, of)?;
-        let systems = TangentSystems::new(model, parallel, solver);
+        let systems = TangentSystems::new(model, equations.controls(), parallel, solver);
         let (tangent, jump) = (BorderedTangent::zero(model), equations.jump(x));
         Ok(WithPointStrains { equations, systems, strains, tangent, jump, begun: false })
     }

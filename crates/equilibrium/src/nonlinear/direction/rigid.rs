@@ -27,7 +27,7 @@ pub(crate) struct AlongRigidMotions<'a> {
 
 impl<'a> AlongRigidMotions<'a> {
     pub fn new(equations: &'a Equations<'a>, x: &[f64], solver: &'a mut dyn LinearSolver) -> Self {
-        let systems = TangentSystems::new(equations.model, equations.options.parallel, solver);
+        let systems = TangentSystems::new(equations.model, equations.controls(), equations.options.parallel, solver);
         AlongRigidMotions { equations, systems, jump: equations.jump(x), partly: false, last: None }
     }
 

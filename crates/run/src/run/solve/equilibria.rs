@@ -70,7 +70,7 @@ fn of_member(
     let many = series.rows.len();
     if many < count {
         let from = starts.map_or_else(|| "before it was stopped".to_owned(), |starts| format!("from {starts} starts"));
-        let ratio = model.properties().bulk_over_shear();
+        let ratio = model.properties().bulk_over_shear(&at.state().controls);
         let weak = match ratio > HARD {
             true => {
                 format!(": the search is weak in nearly incompressible bodies (bulk over shear modulus {ratio:.0})")
