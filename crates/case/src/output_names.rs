@@ -72,7 +72,7 @@ const OPTIMIZE: &[&str] = &[
     "directions_*.csv",
 ];
 /// Of `fit`.
-pub const FIT: &[&str] = &["fit.json", "fit.html", "fit.svg", "fit_*.svg"];
+pub const FIT: &[&str] = &["fit.json", "fit.html", "fit.svg", "fit_*.svg", "fit_*.json"];
 /// Of `sweep`.
 pub const SWEEP: &[&str] = &[
     "sweep.html",

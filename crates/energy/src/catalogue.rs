@@ -21,6 +21,8 @@ mod fit_form;
 mod fits;
 mod formula_row;
 mod inputs;
+mod network_fits;
+mod network_row;
 mod rows;
 
 use std::collections::BTreeMap;
@@ -30,13 +32,14 @@ use nastic_tensor::Mat3;
 
 use crate::by_parameters::Given;
 use crate::formula::Step;
+use crate::network::{ExampleLayer, NetworkInput};
 use crate::{
     ByParameters, Conversion, ConvexDensity, EnergyError, EnergyTerm, FormulaLaw, LinearInModuli, Parametrised,
 };
 
 use choose::choose;
 pub use choose::{describe, distinct};
-pub use fit_form::{FitForm, FitNumber, FitStarts, FitVolume, Free};
+pub use fit_form::{FitForm, FitNumber, FitStarts, FitVolume, Free, NetworkShape};
 pub use inputs::{CheckedInputs, Inputs};
 
 /// A parameter of a law, as case files write it.
@@ -80,6 +83,13 @@ pub enum Takes {
         /// An example, in SI units.
         example: &'static [(&'static str, f64)],
     },
+    /// A convex neural network of invariants.
+    Network {
+        /// Inputs of an example.
+        inputs: &'static [NetworkInput],
+        /// Its layers.
+        layers: &'static [ExampleLayer],
+    },
     /// Displacement fields of the body by names that the user chooses, pure numbers, by which its shape changes.
     Modes {
         /// Rows of the gradient of an example, 1/m.
@@ -111,6 +121,11 @@ impl Parameter {
     /// Numbers by names of the user's.
     pub const fn numbers(name: &'static str, example: &'static [(&'static str, f64)]) -> Self {
         Parameter { name, takes: Takes::Numbers { example }, optional: false }
+    }
+
+    /// A convex neural network.
+    pub const fn network(name: &'static str, inputs: &'static [NetworkInput], layers: &'static [ExampleLayer]) -> Self {
+        Parameter { name, takes: Takes::Network { inputs, layers }, optional: false }
     }
 
     /// Displacement fields by names of the user's.

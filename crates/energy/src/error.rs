@@ -1,5 +1,6 @@
 use crate::Entry;
 use crate::formula::FormulaError;
+use crate::network::NetworkError;
 
 /// What can be wrong with an energy term: its parameters, its directions, the size of its fields, its name.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -58,6 +59,9 @@ pub enum EnergyError {
     /// A formula that is no energy of a law.
     #[error(transparent)]
     Formula(#[from] FormulaError),
+    /// Numbers that are no network whose energy is polyconvex.
+    #[error("convex_network: {0}")]
+    Network(#[from] NetworkError),
     /// A parameter outside the range in which the law is polyconvex, or not finite.
     #[error("{owner}: {name} = {value:e}{entry}, but {requirement}")]
     Parameter {

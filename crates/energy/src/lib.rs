@@ -21,6 +21,7 @@ pub mod formula;
 mod growth;
 mod material;
 mod moduli;
+pub mod network;
 mod parametrised;
 mod polyconvex;
 mod shared;

@@ -2,6 +2,7 @@
 
 mod arap;
 mod arruda_boyce;
+mod convex_network;
 mod engineering;
 mod fiber_family;
 mod formula;
@@ -22,6 +23,7 @@ mod yeoh;
 
 pub use arap::Arap;
 pub use arruda_boyce::ArrudaBoyce;
+pub use convex_network::ConvexNetwork;
 pub use fiber_family::FiberFamily;
 pub use formula::FormulaLaw;
 pub use gel::Gel;

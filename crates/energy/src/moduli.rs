@@ -27,6 +27,24 @@ impl Moduli {
         Moduli { lambda, mu_t: mu, mu_l: mu, alpha: 0.0, beta: 0.0, fiber: None }
     }
 
+    /// Read off `dP/dF` (Pa) of a stress-free rest state that is isotropic, or transversely isotropic about the unit vector `fiber`.
+    pub fn of_rest(tangent: &Tangent, fiber: Option<Vec3>) -> Self {
+        let f = fiber.unwrap_or_else(Vec3::x);
+        let n = if f.x.abs() < 0.7 { Vec3::x().cross(&f) } else { Vec3::y().cross(&f) }.normalize();
+        let b = f.cross(&n);
+        let of = |p: &Vec3, q: &Vec3, u: &Vec3, v: &Vec3| {
+            let change = u * v.transpose() + v * u.transpose();
+            p.dot(&(tangent.apply(&change) * q)) / 2.0
+        };
+        let (lambda, mu_t, mu_l) = (of(&n, &n, &b, &b), of(&n, &b, &n, &b), of(&f, &n, &f, &n));
+        if fiber.is_none() {
+            return Moduli::isotropic(lambda, mu_t);
+        }
+        let alpha = of(&n, &n, &f, &f) - lambda;
+        let beta = of(&f, &f, &f, &f) - lambda - 2.0 * mu_t - 2.0 * alpha - 4.0 * (mu_l - mu_t);
+        Moduli { lambda, mu_t, mu_l, alpha, beta, fiber }
+    }
+
     /// Stress (Pa) of a small displacement gradient.
     pub fn stress(&self, gradient: &Mat3) -> Mat3 {
         let e = (gradient + gradient.transpose()) / 2.0;

@@ -3,6 +3,7 @@
 mod checks_catch;
 mod closed_forms;
 mod contract;
+mod convex_network;
 mod fiber_limit;
 mod growth;
 mod law_parameters;

@@ -1,10 +1,11 @@
 //! Stresses of every law against formulas worked out by hand, with nothing of the chain rule in them.
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
+use nastic_energy::network::{Network, NetworkInput, NetworkLayer};
 use nastic_energy::{
-    Arap, ArrudaBoyce, EnergyTerm, FiberFamily, FiberTension, Gel, Gent, Guccione, HolzapfelGasserOgden, MaterialPoint,
-    MooneyRivlin, NeoHooke, NeoHookeIsochoric, Ogden, PointBatch, SaintVenantKirchhoff, Slots, TransverseMooneyRivlin,
-    Turgor, Yeoh, catalogue, check,
+    Arap, ArrudaBoyce, ConvexNetwork, EnergyTerm, FiberFamily, FiberTension, Gel, Gent, Guccione, HolzapfelGasserOgden,
+    MaterialPoint, MooneyRivlin, NeoHooke, NeoHookeIsochoric, Ogden, PointBatch, SaintVenantKirchhoff, Slots,
+    TransverseMooneyRivlin, Turgor, Yeoh, catalogue, check,
 };
 use nastic_tensor::{Kinematics, Mat3, Vec3};
 
@@ -54,6 +55,12 @@ fn law(name: &str) -> Box<dyn EnergyTerm> {
         "saint_venant_kirchhoff" => Box::new(SaintVenantKirchhoff::new(LAMBDA, MU1).unwrap()),
         "arap" => Box::new(Arap::new(MU1).unwrap()),
         "guccione" => Box::new(Guccione::new(MU1, B.map(Into::into), KAPPA, Vec3::x()).unwrap()),
+        "convex_network" => {
+            let hidden = NetworkLayer { through: vec![vec![0.5]], bias: vec![-0.3], ..NetworkLayer::default() };
+            let last = NetworkLayer { before: vec![vec![2.0]], ..NetworkLayer::default() };
+            let network = Network { inputs: vec![NetworkInput::FirstIsochoric], layers: vec![hidden, last] };
+            Box::new(ConvexNetwork::new(&network, MU1, KAPPA, None).unwrap())
+        }
         // that of the Mooney-Rivlin law with the moduli above
         "formula" => {
             let row = catalogue::material("formula").unwrap();
@@ -96,6 +103,11 @@ fn of_first_invariant(name: &str, i: f64) -> Option<[f64; 2]> {
             [MU1 * energy, MU1 * slope]
         }
         "holzapfel_gasser_ogden" => [MU1 / 2.0 * x, MU1 / 2.0],
+        // 2 log(1 + exp(x/2 - 0.3)), less its value at rest
+        "convex_network" => {
+            let of = |x: f64| 2.0 * (0.5 * x - 0.3).exp().ln_1p();
+            [MU1 * (of(x) - of(0.0)), MU1 / (1.0 + (0.3 - 0.5 * x).exp())]
+        }
         "fiber_family" => [0.0, 0.0],
         _ => return None,
     })
@@ -361,6 +373,10 @@ fn small_strain_moduli_are_those_of_the_table() {
             }
             "ogden" => (5e5 - 2.0 / 3.0 * 4.16e5, 4.16e5, 4.16e5, 0.0),
             "fiber_family" => (0.0, 0.0, 0.0, 0.0),
+            "convex_network" => {
+                let mu = 2e5 / (1.0 + 0.3f64.exp());
+                (5e5 - 2.0 / 3.0 * mu, mu, mu, 0.0)
+            }
             "saint_venant_kirchhoff" => (4e5, 1e5, 1e5, 0.0),
             "arap" => (0.0, 1e5, 1e5, 0.0),
             "guccione" => (5e5, 1.25e4, 2.5e4, 0.0),

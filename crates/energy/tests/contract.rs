@@ -115,7 +115,7 @@ fn every_parameter_is_required_and_checked() {
                     Takes::Choice { .. } => {
                         (inputs.clone().choice(parameter.name, "?"), inputs.clone().number(parameter.name, 1.0))
                     }
-                    Takes::Energy { .. } | Takes::Numbers { .. } | Takes::Modes { .. } => {
+                    Takes::Energy { .. } | Takes::Numbers { .. } | Takes::Network { .. } | Takes::Modes { .. } => {
                         let number = inputs.clone().number(parameter.name, 1.0);
                         (number.clone(), number)
                     }
@@ -138,7 +138,11 @@ fn a_field_of_the_wrong_length_is_named_for_every_parameter() {
                 Takes::Direction { example } => {
                     inputs.clone().direction(parameter.name, Field::points(vec![Vec3::from(example); 3]))
                 }
-                Takes::Choice { .. } | Takes::Energy { .. } | Takes::Numbers { .. } | Takes::Modes { .. } => continue,
+                Takes::Choice { .. }
+                | Takes::Energy { .. }
+                | Takes::Numbers { .. }
+                | Takes::Network { .. }
+                | Takes::Modes { .. } => continue,
             };
             let law = row.build(&with_field).unwrap();
             assert!(law.check(1, 3).is_ok());
@@ -163,7 +167,7 @@ fn names_are_distinct_and_unknown_ones_are_answered() {
         error,
         "no law is called `moony_rivlin` (did you mean `mooney_rivlin`?); there are: mooney_rivlin, \
          transverse_mooney_rivlin, neo_hooke, gel, neo_hooke_isochoric, yeoh, gent, arruda_boyce, ogden, \
-         holzapfel_gasser_ogden, fiber_family, saint_venant_kirchhoff, arap, guccione, formula"
+         holzapfel_gasser_ogden, fiber_family, saint_venant_kirchhoff, arap, guccione, convex_network, formula"
     );
     assert!(catalogue::actuation("sinew").unwrap_err().to_string().contains("fiber_tension"));
 }

@@ -3,7 +3,8 @@
 use crate::common;
 
 use common::{Outcome, kinds, laws, noise, regular};
-use nastic_energy::FiberTension;
+use nastic_energy::network::{Network, NetworkInput, NetworkLayer};
+use nastic_energy::{ConvexNetwork, EnergyTerm, FiberTension, Yeoh};
 use nastic_fem::{Controls, Solid};
 use nastic_mesh::CellKind;
 use nastic_tensor::Vec3;
@@ -69,5 +70,42 @@ fn the_first_inverted_cell_is_blamed_for_any_number_of_threads() -> Outcome {
     let first = (0..solid.mesh().cells()).find(|&c| nodes(c).contains(&(middle as u32 / 3)));
     assert_eq!(alone.cell().map(|at| at.cell), first);
     assert_eq!(Some(alone), pool.install(|| blamed(true)));
+    Ok(())
+}
+
+/// Assembly of the tangent of a network of two layers of four units beside that of Yeoh's law:
+/// `cargo test --release -p nastic-fem --test all -- cost_of_a_network --ignored --nocapture`.
+#[test]
+#[ignore = "times, which depend on the machine"]
+fn cost_of_a_network() -> Outcome {
+    let mut random = (0..).map(|n| 0.5 + 0.5 * noise(n));
+    let mut rows = |units: usize, columns: usize| -> Vec<Vec<f64>> {
+        (0..units).map(|_| random.by_ref().take(columns).collect()).collect()
+    };
+    let layers = vec![
+        NetworkLayer { through: rows(4, 2), before: vec![], bias: vec![-0.5; 4] },
+        NetworkLayer { through: vec![], before: rows(4, 4), bias: vec![-1.0; 4] },
+        NetworkLayer { through: vec![], before: rows(1, 4), bias: vec![] },
+    ];
+    let inputs = vec![NetworkInput::FirstIsochoric, NetworkInput::SecondIsochoric];
+    let network = ConvexNetwork::new(&Network { inputs, layers }, 1e5, 1e6, None)?;
+    for kind in [CellKind::Hex8, CellKind::Hex20, CellKind::Tet10] {
+        let time = |law: std::sync::Arc<dyn EnergyTerm>| -> Outcome<f64> {
+            let solid = Solid::new(regular(kind, [1.0, 0.9, 0.8], [6, 6, 6])?)?.material("body", law)?;
+            let u: Vec<f64> = (0..solid.discretization().dofs()).map(|n| 0.004 * noise(n)).collect();
+            let (mut matrix, controls) = (solid.model().tangent_structure().matrix(), solid.controls());
+            let mut least = f64::INFINITY;
+            for _ in 0..20 {
+                let start = std::time::Instant::now();
+                solid.body().evaluate_tangent(&u, &controls, &mut matrix, false)?;
+                least = least.min(start.elapsed().as_secs_f64());
+            }
+            Ok(least)
+        };
+        let (own, yeoh) =
+            (time(std::sync::Arc::new(network.clone()))?, time(std::sync::Arc::new(Yeoh::new(5e4, 1e3, 1e2, 1e6)?))?);
+        println!("{kind}: network {:.2} ms, yeoh {:.2} ms, ratio {:.2}", 1e3 * own, 1e3 * yeoh, own / yeoh);
+        assert!(own < 4.0 * yeoh, "{kind}: {own} s beside {yeoh} s");
+    }
     Ok(())
 }

@@ -115,9 +115,13 @@ impl Data {
     }
 
     pub fn residuals(&self, law: &dyn EnergyTerm) -> Option<Vec<f64>> {
-        let model = self.responses(law)?;
+        self.responses(law).map(|model| self.residuals_of(&model))
+    }
+
+    /// Those of responses.
+    pub fn residuals_of(&self, model: &[f64]) -> Vec<f64> {
         let measured = self.targets.iter().zip(&self.factors);
-        Some(model.iter().zip(measured).map(|(y, (target, factor))| (y - target) * factor / self.unit).collect())
+        model.iter().zip(measured).map(|(y, (target, factor))| (y - target) * factor / self.unit).collect()
     }
 }
 

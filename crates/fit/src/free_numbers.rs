@@ -19,6 +19,8 @@ impl Law {
             Free::Above { reach: false } => 1.0 + x.exp(),
             Free::Above { reach: true } => reach * (1.0 + x.exp()),
             Free::PerReach => x.exp() / (reach * reach),
+            Free::Weight { power } => x * x / reach.powi(power),
+            Free::Any => x,
             Free::Power => signs.next().map_or(1.0, |sign| *sign) * x.exp(),
             Free::Dispersion => dispersion(x),
             Free::Angle => acute(x).to_degrees(),
@@ -30,10 +32,21 @@ impl Law {
         out
     }
 
+    /// The derivative of a number of a network by its free number.
+    pub(crate) fn weight_slope(self, k: usize, x: f64, scale: &Scale) -> f64 {
+        let Scale { shear, reach } = *scale;
+        match self.form.numbers[k].free {
+            Free::Square { factor, power } => 2.0 * factor * shear / reach.powi(power) * x,
+            Free::Weight { power } => 2.0 * x / reach.powi(power),
+            _ => 1.0,
+        }
+    }
+
     /// Which free numbers are at an end of their parameter's range: squares that vanish, exponentials that do.
     pub(crate) fn on_border(self, x: &[f64]) -> Vec<bool> {
         let vanishes = |(number, x): (&FitNumber, &f64)| match number.free {
-            Free::Square { .. } => x.abs() < 1e-2,
+            Free::Square { .. } | Free::Weight { .. } => x.abs() < 1e-2,
+            Free::Any => false,
             Free::Dispersion => x.sin().abs() < 1e-2,
             Free::Angle => (2.0 * x).sin().abs() < 1e-2,
             Free::Modulus { .. } | Free::Above { .. } | Free::PerReach | Free::Power => *x < -20.0,
@@ -49,12 +62,27 @@ impl Law {
     /// Where to begin: free numbers, and the signs of powers.
     pub(crate) fn starts(self, random: &mut Random, count: usize) -> Vec<(Vec<f64>, Vec<f64>)> {
         match self.form.starts {
+            FitStarts::Random => {
+                let start =
+                    |random: &mut Random| self.form.numbers.iter().map(|number| drawn(number, random)).collect();
+                (0..count.max(1)).map(|_| (start(random), vec![])).collect()
+            }
             FitStarts::At(list) => list.iter().map(|x| (x.to_vec(), vec![])).collect(),
             FitStarts::Powers => {
                 let terms = self.form.numbers.len() / 2;
                 (0..count.max(1)).map(|k| powers_start(terms, k, random)).collect()
             }
         }
+    }
+}
+
+/// Of a network: weights from a hundredth to ten times what takes an input to 1, arguments of units that begin below zero, energies a share of G R.
+fn drawn(number: &FitNumber, random: &mut Random) -> f64 {
+    match number.free {
+        Free::Any => 1.0 - 6.0 * random.unit(),
+        Free::Weight { power: 0 } => random.unit(),
+        Free::Weight { .. } => 0.1 * 30f64.powf(random.unit()),
+        _ => 0.1 * 10f64.powf(random.unit()),
     }
 }
 

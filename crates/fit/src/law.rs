@@ -1,7 +1,10 @@
 use std::fmt;
 use std::sync::Arc;
 
-use nastic_energy::catalogue::{FitForm, FitStarts, FitVolume, Inputs, MaterialRow, Takes, materials};
+use nastic_energy::catalogue::{
+    FitForm, FitStarts, FitVolume, Free, Inputs, MaterialRow, NetworkShape, Takes, materials,
+};
+use nastic_energy::network::Network;
 use nastic_energy::{EnergyError, EnergyTerm, MaterialPoint, NeoHookeIsochoric};
 use nastic_tensor::Vec3;
 
@@ -28,7 +31,7 @@ impl fmt::Debug for Law {
 }
 
 /// A parameter of a `materials` block.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Entry {
     /// A number.
     Number {
@@ -39,6 +42,8 @@ pub enum Entry {
     },
     /// A unit vector.
     Direction([f64; 3]),
+    /// A network.
+    Network(Network),
 }
 
 /// What a law needs to know of the data: a modulus, and the largest `I1 - 3`.
@@ -108,6 +113,10 @@ impl Law {
 
     /// The unit of a parameter: `"Pa"`, `"deg"` of an angle, `"1"` of pure numbers.
     pub fn unit(self, name: &str) -> &'static str {
+        let own = self.form.numbers.iter().find(|number| self.form.network.is_some() && number.name == name);
+        if let Some(number) = own {
+            return if matches!(number.free, Free::Square { .. }) { "Pa" } else { "1" };
+        }
         let of = |known: &Takes| if let Takes::Number { unit, .. } = known { Some(*unit) } else { None };
         let found = self.row.parameters().into_iter().find(|known| known.name == name);
         found.and_then(|known| of(&known.takes)).unwrap_or("deg")
@@ -128,6 +137,10 @@ impl Law {
     /// [`FitError::Parameters`] for too few or too many.
     pub fn entries(self, parameters: &[f64]) -> Result<Vec<(&'static str, Entry)>, FitError> {
         self.check(parameters)?;
+        if let Some(shape) = self.form.network {
+            let (network, scale) = shape.network(parameters);
+            return Ok(vec![("network", Entry::Network(network)), self.number("scale", scale)]);
+        }
         let numbers = self.form.numbers.iter().zip(parameters).map(|(number, value)| self.number(number.name, *value));
         let mut out: Vec<(&'static str, Entry)> = numbers.collect();
         match (self.form.families, parameters.last()) {
@@ -167,6 +180,7 @@ impl Law {
             self.block(parameters, bulk)?.into_iter().fold(Inputs::new(), |inputs, (name, entry)| match entry {
                 Entry::Number { value, .. } => inputs.number(name, value),
                 Entry::Direction(along) => inputs.direction(name, Vec3::from(along)),
+                Entry::Network(network) => inputs.network(name, network),
             });
         Ok(self.row.build(&inputs)?)
     }
@@ -187,6 +201,9 @@ impl Law {
     /// As [`build`](Self::build).
     pub fn shear(self, p: &[f64]) -> Result<f64, FitError> {
         self.check(p)?;
+        if let Some(shape) = self.form.network {
+            return Ok(shape.network(p).1);
+        }
         Ok(match self.form.shear {
             Some(shear) => shear(p),
             None => self.build(p, BULK * p[0])?.moduli(HERE).map_or(p[0], |m| m.mu_t),
@@ -196,6 +213,16 @@ impl Law {
     /// Whether it is isotropic at rest, where Poisson's ratio is then one number: fibres of `holzapfel_gasser_ogden` begin to bear with their stretch.
     pub fn is_isotropic_at_rest(self) -> bool {
         self.form.along.is_none()
+    }
+
+    /// The shape of a network.
+    pub(crate) fn network(self) -> Option<NetworkShape> {
+        self.form.network
+    }
+
+    /// Whether it is a network, of which nothing is known in shapes of other kinds than those of the data.
+    pub fn is_network(self) -> bool {
+        self.form.network.is_some()
     }
 
     /// Whether its numbers are terms of a modulus and a power, whose order means nothing.

@@ -4,6 +4,7 @@ use nastic_numeric::Random;
 
 use crate::data::Data;
 use crate::law::Scale;
+use crate::network::NetworkData;
 use crate::statistics::covariance;
 use crate::{Criteria, Estimate, FitError, Law, Test, student};
 
@@ -22,7 +23,7 @@ pub enum Errors {
 pub struct FitOptions {
     /// What residuals are measured in.
     pub errors: Errors,
-    /// Random starts of Ogden's law.
+    /// Random starts of Ogden's law and of networks.
     pub starts: usize,
     /// Of the random numbers.
     pub seed: u64,
@@ -106,12 +107,15 @@ pub fn fit(law: Law, tests: &[Test], options: &FitOptions) -> Result<Fit, FitErr
         return Err(FitError::TooFew { law: law.label(), parameters, points });
     }
     let scale = data.scale()?;
+    let network = NetworkData::new(law, &data)?;
     let starts = law.starts(&mut Random::new(options.seed), options.starts);
     let tried = starts.len();
     let (mut ends, mut why): (Vec<End<'_>>, _) = (Vec::new(), String::new());
     for (x, signs) in starts {
-        let problem = Problem { law, data: &data, scale, signs, x: DVector::from_vec(x) };
-        let method = LevenbergMarquardt::new().with_tol(1e-13).with_patience(options.patience.max(1));
+        let problem = Problem { law, data: &data, network: network.as_ref(), scale, signs, x: DVector::from_vec(x) };
+        let patience = if law.is_network() { options.patience.div_ceil(NETWORK_PATIENCE) } else { options.patience };
+        let tolerance = if law.is_network() { NETWORK_TOLERANCE } else { 1e-13 };
+        let method = LevenbergMarquardt::new().with_tol(tolerance).with_patience(patience.max(1));
         let (problem, report) = method.minimize(problem);
         let reason = report.termination;
         let exhausted = reason == TerminationReason::LostPatience;
@@ -125,7 +129,7 @@ pub fn fit(law: Law, tests: &[Test], options: &FitOptions) -> Result<Fit, FitErr
     ends.sort_by(|a, b| a.squares.total_cmp(&b.squares));
     let exhausted = ends.iter().filter(|end| end.exhausted).count();
     let converged = ends.len() - exhausted;
-    if converged == 0 && exhausted > 0 {
+    if converged == 0 && exhausted > 0 && !law.is_network() {
         return Err(FitError::Exhausted { law: law.label(), starts: tried, exhausted });
     }
     let Some(least) = ends.first().map(|end| end.squares) else {
@@ -166,6 +170,10 @@ pub fn squares(law: Law, parameters: &[f64], tests: &[Test], errors: Errors) -> 
     Ok(residuals.iter().map(|r| r * r).sum::<f64>() * data.unit * data.unit)
 }
 
+/// The numbers of a network are not determined one by one: its starts end where the sum of squares falls by less than this share, or earlier than others by this factor.
+const NETWORK_TOLERANCE: f64 = 1e-7;
+const NETWORK_PATIENCE: usize = 4;
+
 /// Of differences, by numbers of the order of one.
 const STEP: f64 = 1e-4;
 
@@ -180,6 +188,7 @@ fn slope(at: &dyn Fn(f64) -> Option<Vec<f64>>) -> Option<Vec<f64>> {
 struct Problem<'a> {
     law: Law,
     data: &'a Data,
+    network: Option<&'a NetworkData>,
     scale: Scale,
     signs: Vec<f64>,
     x: DVector<f64>,
@@ -194,6 +203,9 @@ impl Problem<'_> {
     }
 
     fn at(&self, x: &[f64]) -> Option<Vec<f64>> {
+        if let Some(network) = self.network {
+            return network.responses(&self.decoded(x)).map(|model| self.data.residuals_of(&model));
+        }
         self.data.residuals(&*self.law.incompressible(&self.decoded(x)).ok()?)
     }
 
@@ -218,6 +230,14 @@ impl Problem<'_> {
     /// Derivatives of the residuals. The sides of a bar with fibres follow the law, by `tau_2 - tau_3 = g(e, x) = 0` for `e = ln l2`: with the bar held as it is,
     /// and `de/dx = -(dg/dx) / (dg/de)`, instead of a search for its sides at every difference.
     fn slopes(&self) -> Option<DMatrix<f64>> {
+        if let Some(network) = self.network {
+            let mut slopes = network.slopes(&self.decoded(self.x.as_slice()));
+            for (k, mut column) in slopes.column_iter_mut().enumerate() {
+                let own = self.law.weight_slope(k, self.x[k], &self.scale);
+                column.iter_mut().zip(&self.data.factors).for_each(|(y, factor)| *y *= own * factor / self.data.unit);
+            }
+            return slopes.iter().all(|slope| slope.is_finite()).then_some(slopes);
+        }
         let law_at = |x: &[f64]| self.law.incompressible(&self.decoded(x)).ok();
         let law = law_at(self.x.as_slice())?;
         if !self.data.has_free_sides(&*law) {
@@ -339,7 +359,7 @@ mod tests {
         let data = Data::new(law, &tests, Errors::Absolute)?;
         let scale = data.scale()?;
         let x = DVector::from_vec(vec![-0.4, -0.5, 0.3, 0.9, 0.7]);
-        let problem = Problem { law, data: &data, scale, signs: vec![], x };
+        let problem = Problem { law, data: &data, network: None, scale, signs: vec![], x };
         let (Some(found), Some(expected)) = (problem.slopes(), problem.derivatives(&|x| problem.at(x))) else {
             unreachable!("the law has a response")
         };
@@ -351,6 +371,32 @@ mod tests {
         let held = |x: &[f64]| data.answers(&*law_at(x)?, &shape).map(|[answers, _]| answers);
         let held = problem.derivatives(&held).map(|held| held / data.unit);
         assert!(held.is_some_and(|held| (held - &expected).amax() > 1e-2 * expected.amax()));
+        Ok(())
+    }
+
+    /// Derivatives by all numbers of a network are those of differences, and its responses those of the law.
+    #[test]
+    fn slopes_of_networks_are_those_of_differences() -> Result<(), FitError> {
+        for label in ["convex_network_1x4", "convex_network_2x4"] {
+            let law = Law::named(label)?;
+            let points: Vec<[f64; 2]> = (1..30).map(|k| 1.0 + 0.15 * f64::from(k)).map(|l| [l, 1e5 * l * l]).collect();
+            let bar = Test::new("bar", Mode::Uniaxial, Response::Nominal, points.clone())?;
+            let tests = [bar, Test::new("sheet", Mode::Equibiaxial, Response::Cauchy, points)?];
+            let data = Data::new(law, &tests, Errors::Relative)?;
+            let (scale, network) = (data.scale()?, NetworkData::new(law, &data)?);
+            let (x, signs) = law.starts(&mut Random::new(3), 1).swap_remove(0);
+            let problem =
+                Problem { law, data: &data, network: network.as_ref(), scale, signs, x: DVector::from_vec(x) };
+            let (Some(found), Some(expected)) = (problem.slopes(), problem.derivatives(&|x| problem.at(x))) else {
+                unreachable!("the law has a response")
+            };
+            let far = (&found - &expected).amax() / expected.amax();
+            assert!(far < 1e-9, "{label}: {far}");
+            let own = data.residuals(&*law.incompressible(&problem.decoded(problem.x.as_slice()))?).unwrap_or_default();
+            let direct = problem.at(problem.x.as_slice()).unwrap_or_default();
+            let far = own.iter().zip(&direct).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(direct.len() == 58 && far < 1e-9, "{label}: {far}");
+        }
         Ok(())
     }
 }

@@ -17,11 +17,13 @@
 //! # }
 //! ```
 
+mod coverage;
 mod data;
 mod error;
 mod free_numbers;
 mod law;
 mod least_squares;
+mod network;
 mod scenario;
 mod specimen;
 mod stability;
@@ -29,11 +31,12 @@ mod statistics;
 mod test;
 mod volume;
 
+pub use coverage::Coverage;
 pub use error::FitError;
 pub use law::{Entry, Law};
 pub use least_squares::{Errors, Fit, FitOptions, Starts, fit, squares};
 pub use scenario::{Scenario, scenarios};
 pub use stability::{End, Range, stable_range};
 pub use statistics::{Criteria, Estimate, student};
-pub use test::{Fibers, Mode, Response, Test, curve};
+pub use test::{Fibers, Mode, Response, Test, curve, r_squared};
 pub use volume::{Bulk, bulk};

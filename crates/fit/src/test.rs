@@ -86,6 +86,16 @@ impl Mode {
         }
     }
 
+    /// The one of tension, equibiaxial tension and pure shear whose deformations it has, simple shear up to a rotation; none of volumetric tests.
+    pub fn kind(self) -> Option<Mode> {
+        match self {
+            Mode::Uniaxial => Some(Mode::Uniaxial),
+            Mode::Equibiaxial | Mode::Inflation { .. } => Some(Mode::Equibiaxial),
+            Mode::Planar | Mode::SimpleShear => Some(Mode::Planar),
+            Mode::Volumetric => None,
+        }
+    }
+
     /// The deformation gradient of a material without fibres; `None` where there is none.
     pub(crate) fn gradient(self, x: f64) -> Option<Mat3> {
         // det diag(l, l, l^-2) = 1 for negative l too
@@ -234,6 +244,20 @@ pub fn curve(law: &dyn EnergyTerm, mode: Mode, fibers: Fibers, response: Respons
         Some(specimen.turn(mode.projection(response, *x, f[(2, 2)])).dot(&specimen.stress(f)?))
     };
     at.iter().map(|x| one(x).unwrap_or(f64::NAN)).collect()
+}
+
+/// `1 - sum (y - measured)^2 / sum (measured - mean)^2` over all points of a test: 1 of a law that meets them, below 0 of one that is worse than their mean. `None` where the law has no response, or the
+/// points no spread.
+pub fn r_squared(law: &dyn EnergyTerm, test: &Test) -> Option<f64> {
+    let at: Vec<f64> = test.points.iter().map(|[x, _]| *x).collect();
+    let model = curve(law, test.mode, test.fibers.unwrap_or_default(), test.response, &at);
+    let mean = test.points.iter().map(|[_, y]| y).sum::<f64>() / test.points.len() as f64;
+    let squares = |of: &dyn Fn(usize, f64) -> f64| -> f64 {
+        test.points.iter().enumerate().map(|(n, [_, y])| of(n, *y).powi(2)).sum()
+    };
+    let (rest, spread) = (squares(&|n, y| model[n] - y), squares(&|_, y| y - mean));
+    let share = 1.0 - rest / spread;
+    share.is_finite().then_some(share)
 }
 
 fn diagonal(a: f64, b: f64, c: f64) -> Mat3 {

@@ -1,7 +1,10 @@
 //! Treloar's rubber: the published set of Ogden's law, and ours.
 #![allow(clippy::unwrap_used)] // a test may
 
-use nastic_fit::{Errors, Fibers, FitOptions, Law, Mode, Response, Test, fit, scenarios, squares, stable_range};
+use nastic_energy::MaterialPoint;
+use nastic_fit::{
+    Coverage, Errors, Fibers, FitOptions, Law, Mode, Response, Test, fit, r_squared, scenarios, squares, stable_range,
+};
 
 const FILES: [(&str, Mode, &str); 3] = [
     ("uniaxial", Mode::Uniaxial, include_str!("../../../examples/fit/treloar_uniaxial.csv")),
@@ -108,4 +111,77 @@ fn the_fitted_law_is_stable_over_the_data() {
     for one in &spread {
         assert!(named("ogden_3").incompressible(&one.parameters).is_ok());
     }
+}
+
+/// R^2 of every test, of a law fitted to those that are not held out.
+fn shares(label: &str, held_out: Option<usize>) -> Option<[f64; 3]> {
+    let all = tests();
+    let trained: Vec<Test> =
+        all.iter().enumerate().filter(|(k, _)| Some(*k) != held_out).map(|(_, test)| test.clone()).collect();
+    let found = fit(named(label), &trained, &FitOptions::default()).ok()?;
+    let law = named(label).incompressible(&found.values()).unwrap();
+    Some([0, 1, 2].map(|k| r_squared(&*law, &all[k]).unwrap()))
+}
+
+#[test]
+fn a_network_trained_on_two_tests_predicts_pure_shear_and_not_what_it_has_not_seen() {
+    let good = shares("convex_network_1x4", Some(2)).unwrap();
+    println!("without pure shear {good:?}");
+    assert!(good.iter().all(|share| *share > 0.98) && good[2] > 0.99);
+    // as close to the tests it was trained on as Ogden's six numbers, and wrong in the third
+    let bad = shares("convex_network_1x4", Some(1)).unwrap();
+    println!("without equibiaxial tension {bad:?}");
+    assert!(bad[0] > 0.999 && bad[2] > 0.99 && bad[1] < 0.0);
+}
+
+#[test]
+fn the_same_network_is_found_again_and_is_the_law_of_its_numbers() {
+    let tests = tests();
+    let law = named("convex_network_1x4");
+    let options = FitOptions { starts: 2, ..FitOptions::default() };
+    let (one, other) = (fit(law, &tests, &options).unwrap(), fit(law, &tests, &options).unwrap());
+    assert_eq!(one.values(), other.values(), "the same bits");
+    assert_eq!((one.parameters.len(), one.starts.tried), (16, 2));
+    // AICc counts every number that was trained
+    let (n, k) = (one.points as f64, 17.0);
+    let aicc = n * (one.squares / n).ln() + 2.0 * k + 2.0 * k * (k + 1.0) / (n - k - 1.0);
+    assert!((one.criteria.aicc / aicc - 1.0).abs() < 1e-12);
+    // the sum of squares by the law itself, at every point, which the fit did without
+    let again = squares(law, &one.values(), &tests, Errors::Absolute).unwrap();
+    assert!((again / one.squares - 1.0).abs() < 1e-9, "{again} {}", one.squares);
+    // its scale is the shear modulus at rest
+    let moduli = law.incompressible(&one.values()).unwrap().moduli(MaterialPoint { cell: 0, point: 0 }).unwrap();
+    assert!((law.shear(&one.values()).unwrap() / moduli.mu_t - 1.0).abs() < 1e-9);
+    // 36 numbers want more points than pure shear and equibiaxial tension have
+    let few = fit(named("convex_network_2x4"), &tests[1..], &options).unwrap_err().to_string();
+    assert!(few.contains("convex_network_2x4 has 36 parameters, and there are 29 points"), "{few}");
+}
+
+/// The table of docs/fit.md, slow: `cargo test --release -p nastic-fit --test all -- all_laws_without --ignored --nocapture`.
+#[test]
+#[ignore = "a table for people"]
+fn all_laws_without_one_test() {
+    for held_out in [None, Some(2), Some(1), Some(0)] {
+        for law in Law::all().into_iter().filter(|law| !law.has_fibers()) {
+            let shown = shares(&law.label(), held_out).map(|shares| shares.map(|r| format!("{r:8.4}")).join(" "));
+            println!("{:22} without {held_out:?}: {}", law.label(), shown.unwrap_or_default());
+        }
+    }
+}
+
+#[test]
+fn what_tests_have_seen() {
+    let tests = tests();
+    let all = Coverage::of(&tests);
+    assert!(all.missing.is_empty() && all.first[0] == 3.0, "{all:?}");
+    let tension = Coverage::of(&tests[..1]);
+    assert_eq!(tension.missing, [Mode::Equibiaxial, Mode::Planar]);
+    // l^2 + 2/l and 2 l + 1/l^2 at the last stretch of the table
+    let l = tests[0].points.last().unwrap()[0];
+    assert!(
+        (tension.first[1] - (l * l + 2.0 / l)).abs() < 1e-12
+            && (tension.second[1] - (2.0 * l + l.powi(-2))).abs() < 1e-12
+    );
+    let shear = Test::new("shear", Mode::SimpleShear, Response::Shear, vec![[0.5, 1e5]]).unwrap();
+    assert_eq!(Coverage::of(&[shear]).missing, [Mode::Uniaxial, Mode::Equibiaxial]);
 }

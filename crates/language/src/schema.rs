@@ -40,6 +40,8 @@ mod material;
 mod mesh;
 mod named;
 mod named_part;
+mod network;
+mod network_file;
 mod obstacle;
 mod optimizer;
 mod read;
@@ -83,6 +85,8 @@ pub use material::Material;
 pub use mesh::{BodyBox, BoxMesh, BoxesMesh, MeshFile, MeshSource};
 pub use named::{Element, Method, SchemeName};
 pub use named_part::{NamedRegion, NamedSurface};
+pub use network::{InputName, LayerBlock, NetworkBlock, NetworkSource, network_json};
+pub use network_file::NetworkFile;
 pub use obstacle::{AlignedBox, Capsule, HalfSpace, Obstacle, Outline, Shape, ShapeOrName, Sphere, VectorInTime};
 pub use optimizer::{Metric, Optimizer, Unstable};
 pub use scenario::{

@@ -48,9 +48,18 @@ impl FitRecord {
             ]
         };
         let head = ["law", "parameters", "scatter", "AICc", "above best", "BIC", "starts that led here"];
+        let tests: Vec<&str> =
+            self.tests.iter().filter(|test| test.kind != "volumetric").map(|test| test.name.as_str()).collect();
+        let met = |one: &FittedLawRecord| {
+            let shares = one.r_squared.iter().flatten();
+            std::iter::once(one.law.clone()).chain(shares.map(|(_, share)| number(*share, ""))).collect()
+        };
+        let met =
+            table(&[&["R^2"], tests.as_slice()].concat(), &self.laws.iter().map(met).collect::<Vec<Vec<String>>>());
         let failed: String =
             self.failed.iter().map(|one| paragraph(&format!("{} could not be fitted: {}", one.law, one.why))).collect();
         table(&head, &self.laws.iter().map(row).collect::<Vec<_>>())
+            + &met
             + &paragraph("AICc is Akaike's criterion, corrected for few points: 10 more than the best are decisive.")
             + &failed
     }
@@ -59,9 +68,11 @@ impl FitRecord {
         let row = |one: &crate::record::TestRecord| {
             let fibers = one.fibers.as_ref().map_or("-", String::as_str).to_owned();
             let points = one.points.to_string();
-            vec![one.name.clone(), one.kind.clone(), one.response.clone(), fibers, points, number(one.weight, "")]
+            let fitted =
+                if one.held_out { "held out".to_owned() } else { format!("weight {}", number(one.weight, "")) };
+            vec![one.name.clone(), one.kind.clone(), one.response.clone(), fibers, points, fitted]
         };
-        let head = ["test", "kind", "measured", "fibres", "points", "weight"];
+        let head = ["test", "kind", "measured", "fibres", "points", "in the fit"];
         table(&head, &self.tests.iter().map(row).collect::<Vec<_>>())
     }
 }

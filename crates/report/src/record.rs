@@ -68,8 +68,8 @@ pub use failure_record::{
 };
 pub use first_order_record::{FirstOrderRecord, SourceRecord};
 pub use fit_record::{
-    BulkRecord, EstimateRecord, FailedLawRecord, FitRecord, FitStartsRecord, FittedLawRecord, StableRangeRecord,
-    TestRecord,
+    BulkRecord, EstimateRecord, FailedLawRecord, FitRecord, FitStartsRecord, FittedLawRecord, SeenRecord,
+    StableRangeRecord, TestRecord,
 };
 pub use gains_record::{GainsControlRecord, GainsDirectionRecord, GainsLoopRecord, GainsOutputRecord, GainsRecord};
 pub use gradcheck_record::{

@@ -53,6 +53,7 @@ mod motions_of_members;
 mod moving_supports;
 mod muscle;
 mod named_parts;
+mod networks;
 mod obstacle_grid;
 mod others_files;
 mod output_directory;

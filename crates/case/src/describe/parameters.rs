@@ -28,7 +28,7 @@ pub fn parameters(
             Input::Number(value) => scalar(value, dimensions.get(name).copied().unwrap_or(Dimension::NONE), units),
             Input::Direction(value) => vector_field(value),
             Input::Word(word) => (*word).to_owned(),
-            Input::Energy(_) | Input::Numbers(_) | Input::Modes(_) => input.to_string(),
+            Input::Energy(_) | Input::Numbers(_) | Input::Modes(_) | Input::Network(_) => input.to_string(),
         };
         format!("{name} {value}")
     };

@@ -35,6 +35,7 @@ fn key_of(at: &At, error: &EnergyError) -> At {
         | EnergyError::Missing { name, .. }
         | EnergyError::Kind { name, .. } => at.key(name),
         EnergyError::Formula(_) => at.key("energy"),
+        EnergyError::Network(_) => at.key("network"),
         _ => at.clone(),
     }
 }

@@ -1,5 +1,7 @@
 //! [`FitForm`]: how the parameters of a law are fitted to tests.
 
+use crate::network::{Network, NetworkInput, NetworkLayer};
+
 /// How the parameters of a law are fitted to tests of a material that keeps its volume, the bulk modulus apart: the numbers that a fit
 /// moves, where it begins, and what the law is at rest. With G the neo-Hookean shear modulus of the data and R the largest `I1 - 3` in them.
 #[derive(Clone, Copy, Debug)]
@@ -23,6 +25,18 @@ pub struct FitForm {
     pub starts: FitStarts,
     /// Whether it is compared with others only where it is named.
     pub named_only: bool,
+    /// Of a network: its shape, whose numbers these are.
+    pub network: Option<NetworkShape>,
+}
+
+/// The inputs of a network and the units of its hidden layers, which have no weights from the inputs but in the first. Its numbers are, layer by layer, those of `through` or `before`
+/// row by row and `bias`; those of the last layer, in Pa, have none.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NetworkShape {
+    /// x.
+    pub inputs: &'static [NetworkInput],
+    /// Units by layer.
+    pub units: &'static [usize],
 }
 
 /// A parameter that a fit finds.
@@ -56,6 +70,13 @@ pub enum Free {
     },
     /// `e^x / R^2`.
     PerReach,
+    /// `x^2 / R^power`, a pure number that may vanish.
+    Weight {
+        /// Of R.
+        power: i32,
+    },
+    /// x.
+    Any,
     /// `e^x` or `-e^x`: the sign is one of the start.
     Power,
     /// `(1 - cos x)/6`, 0 to 1/3.
@@ -82,6 +103,8 @@ pub enum FitStarts {
     At(&'static [&'static [f64]]),
     /// At moduli and powers, in turn: first at 2, -2, 5, 1, then at random.
     Powers,
+    /// Of a network, at random.
+    Random,
 }
 
 impl FitVolume {
@@ -96,7 +119,8 @@ impl FitForm {
     pub const fn new(numbers: &'static [FitNumber], starts: FitStarts) -> Self {
         let (couple, shear, along) = (None, None, None);
         let volume = FitVolume::BULK;
-        FitForm { suffix: "", numbers, couple, families: 0, volume, shear, along, starts, named_only: false }
+        let (named_only, network) = (false, None);
+        FitForm { suffix: "", numbers, couple, families: 0, volume, shear, along, starts, named_only, network }
     }
 }
 
@@ -114,5 +138,33 @@ impl FitNumber {
     /// Any other.
     pub const fn new(name: &'static str, free: Free) -> Self {
         FitNumber { name, free }
+    }
+}
+
+impl NetworkShape {
+    /// The network of its numbers, and the factor of the last layer (Pa), by which that is divided: the shear modulus at rest where there is one.
+    pub fn network(&self, numbers: &[f64]) -> (Network, f64) {
+        let mut rest = numbers;
+        let mut take = |count: usize| {
+            let (own, others) = rest.split_at(count.min(rest.len()));
+            rest = others;
+            own
+        };
+        let mut layers = Vec::new();
+        let mut columns = self.inputs.len();
+        for &units in self.units {
+            let rows: Vec<Vec<f64>> = take(units * columns).chunks(columns).map(<[f64]>::to_vec).collect();
+            let (through, before) = if layers.is_empty() { (rows, vec![]) } else { (vec![], rows) };
+            layers.push(NetworkLayer { through, before, bias: take(units).to_vec() });
+            columns = units;
+        }
+        layers.push(NetworkLayer { before: vec![take(columns).to_vec()], ..NetworkLayer::default() });
+        let mut network = Network { inputs: self.inputs.to_vec(), layers };
+        let shear = network.shear();
+        let scale = if shear > 0.0 && shear.is_finite() { shear } else { 1.0 };
+        if let Some(last) = network.layers.last_mut() {
+            last.before.iter_mut().flatten().for_each(|weight| *weight /= scale);
+        }
+        (network, scale)
     }
 }

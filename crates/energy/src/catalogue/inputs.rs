@@ -4,6 +4,7 @@ use nastic_tensor::{Mat3, Vec3};
 
 use super::{Parameter, Takes};
 use crate::formula::Expression;
+use crate::network::Network;
 use crate::slot::lasting;
 use crate::{EnergyError, Field, ShapeMode};
 
@@ -20,6 +21,7 @@ enum Value {
     Choice(String),
     Energy(Expression),
     Numbers(BTreeMap<String, Field<f64>>),
+    Network(Network),
     Modes(Vec<ShapeMode>),
 }
 
@@ -59,6 +61,12 @@ impl Inputs {
         self.with(name, Value::Numbers(values))
     }
 
+    /// With a network.
+    #[must_use]
+    pub fn network(self, name: &str, network: Network) -> Self {
+        self.with(name, Value::Network(network))
+    }
+
     /// With displacement fields.
     #[must_use]
     pub fn modes(self, name: &str, modes: Vec<ShapeMode>) -> Self {
@@ -76,6 +84,7 @@ impl Inputs {
                 let numbers = example.iter().map(|(name, value)| ((*name).to_owned(), Field::Uniform(*value)));
                 inputs.numbers(p.name, numbers.collect())
             }
+            Takes::Network { inputs: names, layers } => inputs.network(p.name, Network::example(names, layers)),
             Takes::Modes { example } => {
                 let mode = |(name, rows): &(&str, [[f64; 3]; 3])| {
                     let gradient = Field::Uniform(Mat3::from_fn(|i, j| rows[i][j]));
@@ -119,7 +128,9 @@ impl Inputs {
             (Takes::Choice { .. }, None | Some(Value::Choice(_))) => return Ok(()),
             (Takes::Energy { .. }, None | Some(Value::Energy(_))) => return Ok(()),
             (Takes::Numbers { .. }, None | Some(Value::Numbers(_))) => return Ok(()),
+            (Takes::Network { .. }, None | Some(Value::Network(_))) => return Ok(()),
             (Takes::Modes { .. }, None | Some(Value::Modes(_))) => return Ok(()),
+            (Takes::Network { .. }, _) => "a network: inputs and layers",
             (Takes::Modes { .. }, _) => "displacement fields by their names",
             (Takes::Energy { .. }, _) => "a formula",
             (Takes::Numbers { .. }, _) => "numbers by their names",
@@ -178,6 +189,17 @@ impl<'a> CheckedInputs<'a> {
     pub fn energy(&self, name: &'static str) -> Result<&'a Expression, EnergyError> {
         match self.inputs.values.get(name) {
             Some(Value::Energy(formula)) => Ok(formula),
+            _ => Err(self.missing(name)),
+        }
+    }
+
+    /// A network.
+    ///
+    /// # Errors
+    /// [`EnergyError::Missing`].
+    pub fn network(&self, name: &'static str) -> Result<&'a Network, EnergyError> {
+        match self.inputs.values.get(name) {
+            Some(Value::Network(network)) => Ok(network),
             _ => Err(self.missing(name)),
         }
     }

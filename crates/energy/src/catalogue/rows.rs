@@ -2,6 +2,7 @@ use super::CheckedInputs;
 use super::conversions;
 use super::fits;
 use super::formula_row::FORMULA;
+use super::network_row::CONVEX_NETWORK;
 use super::{Made, MaterialRow, Parameter};
 use crate::{
     Arap, ArrudaBoyce, EnergyError, FiberFamily, Field, Gel, Gent, Guccione, HolzapfelGasserOgden, MooneyRivlin,
@@ -328,6 +329,7 @@ pub const MATERIALS: &[MaterialRow] = &[
             Ok(Made::linear(law))
         },
     },
+    CONVEX_NETWORK,
     FORMULA,
 ];
 

@@ -450,20 +450,6 @@ impl EnergyTerm for FormulaLaw {
     /// Spencer's five constants, read off `dP/dF` at rest.
     fn moduli(&self, at: MaterialPoint) -> Option<Moduli> {
         let tangent = check::evaluate(self, at, &Kinematics::rest(), &[]).tangent;
-        let fiber = self.direction(at);
-        let f = fiber.unwrap_or_else(Vec3::x);
-        let n = if f.x.abs() < 0.7 { Vec3::x().cross(&f) } else { Vec3::y().cross(&f) }.normalize();
-        let b = f.cross(&n);
-        let of = |p: &Vec3, q: &Vec3, u: &Vec3, v: &Vec3| {
-            let change = u * v.transpose() + v * u.transpose();
-            p.dot(&(tangent.apply(&change) * q)) / 2.0
-        };
-        let (lambda, mu_t, mu_l) = (of(&n, &n, &b, &b), of(&n, &b, &n, &b), of(&f, &n, &f, &n));
-        if fiber.is_none() {
-            return Some(Moduli::isotropic(lambda, mu_t));
-        }
-        let alpha = of(&n, &n, &f, &f) - lambda;
-        let beta = of(&f, &f, &f, &f) - lambda - 2.0 * mu_t - 2.0 * alpha - 4.0 * (mu_l - mu_t);
-        Some(Moduli { lambda, mu_t, mu_l, alpha, beta, fiber })
+        Some(Moduli::of_rest(&tangent, self.direction(at)))
     }
 }

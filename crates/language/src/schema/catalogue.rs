@@ -5,6 +5,7 @@ use crate::quantity::Want;
 use crate::schema::direction;
 use crate::schema::field::{Parameter, VectorField, check_unit};
 use crate::schema::json::{Definitions, annotated, any_of};
+use crate::schema::network::{NetworkSource, check_scale};
 use crate::schema::read::{Key, Read, Reader};
 use crate::schema::time_table::TimeTable;
 use crate::syntax::{At, Node, Property, Value};
@@ -27,6 +28,8 @@ pub enum Input {
     Energy(EnergyFormula),
     /// Numbers by names of the user's, which may vary over the body.
     Numbers(BTreeMap<String, Parameter>),
+    /// A convex neural network.
+    Network(NetworkSource),
     /// Displacement fields of the body by names of the user's.
     Modes(BTreeMap<String, VectorField>),
 }
@@ -63,6 +66,7 @@ impl fmt::Display for Input {
                 f.write_str(&texts.join(", "))
             }
             Self::Word(word) => f.write_str(word),
+            Self::Network(network) => write!(f, "{network}"),
             Self::Energy(formula) => write!(f, "{formula}"),
             Self::Numbers(values) => {
                 let texts: Vec<String> = values.iter().map(|(name, value)| format!("{name} = {value}")).collect();
@@ -135,6 +139,9 @@ pub(crate) fn read_inputs(
             Takes::Energy { .. } => read_energy(&member.node, &at, forms, members, reader),
             _ => read_input(parameter, &member.node, &at, reader),
         };
+        if let Some(Input::Network(network)) = &input {
+            check_scale(network, members.iter().any(|member| member.key == "scale"), node, &at.parent(), reader);
+        }
         if let Some(input) = input {
             out.insert(parameter.name, input);
         }
@@ -162,6 +169,7 @@ fn read_input(parameter: &catalogue::Parameter, node: &Node, at: &At, reader: &m
             }
             Some(Input::Numbers(out))
         }
+        Takes::Network { .. } => NetworkSource::read(node, at, Want::ANY, reader).map(Input::Network),
         Takes::Modes { .. } => read_modes(node, at, reader).map(Input::Modes),
         // read_energy
         Takes::Energy { .. } => None,
@@ -247,6 +255,7 @@ pub(crate) fn want(unit: &str) -> Want {
 const ENERGY: &str = "Energy per reference volume as a formula of the invariants I1, I2, J, of I1b, I2b (isochoric) and, with a fibre, of I4, I4b, E_ff, with \
                       the parameters by name: \"mu / 2 * (I1 - 3 - 2 * log(J)) + k / 2 * (J - 1)^2\".";
 const MODES: &str = "Displacement fields by names, pure numbers: along each the body's nodes move by its amplitude, the control \"NAME.MODE\", a length.";
+const NETWORK: &str = "A convex neural network of invariants, or the name of its JSON file, relative to the case.";
 const NUMBERS: &str = "The parameters that the energy names.";
 
 /// The block with these fixed keys and one form's parameters.
@@ -268,6 +277,7 @@ pub(crate) fn form_schema(
             Takes::Numbers { .. } => {
                 annotated(BTreeMap::<String, Parameter>::schema(Want::ANY, definitions), NUMBERS, None)
             }
+            Takes::Network { .. } => annotated(NetworkSource::schema(Want::ANY, definitions), NETWORK, None),
             Takes::Modes { .. } => {
                 annotated(BTreeMap::<String, VectorField>::schema(Want::NUMBER, definitions), MODES, None)
             }

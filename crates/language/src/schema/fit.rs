@@ -18,14 +18,14 @@ object! {
         pub title: Option<String>,
         /// What was measured; at least one test that is not volumetric.
         pub tests: Vec<FitTest>,
-        /// Laws to compare: names of the catalogue, Ogden's with its number of terms, as "ogden_3", Holzapfel's with its families of fibres; all that can
+        /// Laws to compare: names of the catalogue, Ogden's with its number of terms, as "ogden_3", Holzapfel's with its families of fibres, a network with its layers and units; all that can
         /// be fitted if left out, those with fibres where the tests show how they lay.
         pub laws: Vec<FitLaw> = vec![],
         /// The bulk modulus, where no volumetric test gives it.
         pub bulk: Option<f64> as POSITIVE_PRESSURE,
         /// What residuals are measured in: "absolute" stresses, or shares of the measured ones ("relative").
         pub errors: FitErrors = FitErrors::Absolute,
-        /// Random starts of Ogden's law.
+        /// Random starts of Ogden's law and of networks.
         pub starts: usize = 16,
         /// Of the random starts.
         pub seed: u64 = 1,
@@ -50,6 +50,8 @@ object! {
         pub name: Option<String>,
         /// Weight of each of its squared residuals.
         pub weight: f64 as POSITIVE = 1.0,
+        /// Whether it takes no part in the fit, which is then judged by it.
+        pub held_out: bool = false,
         /// Of a specimen with fibres: whether it was loaded along or across them.
         pub fibers: Option<FitFibers>,
         /// Of a table with a column "force": the area at rest of the cross-section that it acts on.
@@ -148,6 +150,10 @@ fn check_data(data: &FitData, reader: &mut Reader<'_>) {
         reader.complain_at(&data.at.key("starts"), format!("{} starts; at most {MOST_STARTS}", data.starts));
     }
     let volumetric = data.tests.iter().filter(|test| test.kind == FitKind::Volumetric).count();
+    if volumetric < data.tests.len() && data.tests.iter().all(|test| test.held_out || test.kind == FitKind::Volumetric)
+    {
+        reader.complain_at(&data.at.key("tests"), "all tests are \"held_out\": at least one is to be fitted");
+    }
     if volumetric == data.tests.len() {
         reader.complain_at(
             &data.at.key("tests"),
@@ -190,6 +196,12 @@ fn check_data(data: &FitData, reader: &mut Reader<'_>) {
 fn check_test(test: &FitTest, reader: &mut Reader<'_>) {
     if test.fibers.is_some() && matches!(test.kind, FitKind::Inflation | FitKind::Volumetric) {
         reader.complain_at(&test.at.key("fibers"), "a test of this kind takes no \"fibers\": a balloon with fibres does not stay a sphere, and volumetric tests give the bulk modulus alone");
+    }
+    if test.held_out && test.kind == FitKind::Volumetric {
+        reader.complain_at(
+            &test.at.key("held_out"),
+            "a volumetric test gives the bulk modulus: leave it out, or the key",
+        );
     }
     if (test.kind == FitKind::Inflation) != test.thickness_to_radius.is_some() {
         let message = match test.kind {

@@ -16,6 +16,8 @@ records! {
         errors: String,
         /// The tests as they were understood.
         tests: Vec<TestRecord>,
+        /// Which shapes the tests that were fitted have seen.
+        seen: SeenRecord,
         /// The best law.
         best: String,
         /// Every law, the best first.
@@ -44,6 +46,18 @@ records! {
         at_rest: usize,
         /// Its weight.
         weight: Number,
+        /// Whether it took no part in the fit.
+        held_out: bool,
+    }
+
+    /// Which shapes tests have seen.
+    SeenRecord {
+        /// Kinds of tests that are missing, of `uniaxial`, `equibiaxial` and `planar`.
+        missing: Vec<String>,
+        /// Range of I1 = |F|^2 at constant volume.
+        first_invariant: Vec<f64>,
+        /// Range of I2 = |H|^2.
+        second_invariant: Vec<f64>,
     }
 
     /// A law that could not be fitted.
@@ -72,6 +86,8 @@ records! {
         scatter: Number,
         /// Its unit.
         scatter_unit: String,
+        /// R^2 by test, also of those held out; null where the law has no response.
+        r_squared: Option<ByName<Number>>,
         /// Akaike's criterion, corrected for few points.
         aicc: Number,
         /// Bayes' criterion.

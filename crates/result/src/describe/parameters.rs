@@ -45,7 +45,9 @@ fn constant(input: &Input, dimension: Dimension, units: &Units) -> ConstantRecor
             None => ConstantRecord::Varies { varies: vector_field(value) },
         },
         Input::Word(word) => ConstantRecord::Word((*word).to_owned()),
-        Input::Energy(_) | Input::Numbers(_) | Input::Modes(_) => ConstantRecord::Word(input.to_string()),
+        Input::Energy(_) | Input::Numbers(_) | Input::Modes(_) | Input::Network(_) => {
+            ConstantRecord::Word(input.to_string())
+        }
     }
 }
 

@@ -10,7 +10,7 @@ use crate::run::fit::entry::Fitted;
 use crate::run::session::output_directory::directory_of;
 use nastic_case::lower::{LoneTable, read_tests};
 use nastic_case::output_names::{FIT, OutputNames};
-use nastic_fit::{FitError, FitOptions, Law, fit as fit_law};
+use nastic_fit::{FitError, FitOptions, Law, Test, fit as fit_law};
 use nastic_io::write_atomically;
 use nastic_language::schema::FitData;
 use nastic_report::record::{FailedLawRecord, FitRecord};
@@ -58,18 +58,20 @@ pub fn fit_with(
     // They belong to an earlier fit, and would stand there as results of this one if it fails.
     out.remove(FILE)?;
     out.remove(PAGE)?;
-    plot::files().try_for_each(|name| out.remove(&name))?;
+    plot::files().chain(entry::network_files()).try_for_each(|name| out.remove(&name))?;
     let errors = asked.errors.errors();
     let options = FitOptions { errors, starts: asked.starts, seed: asked.seed, ..FitOptions::default() };
     let laws: Vec<Law> = asked.laws.iter().map(|law| law.0).collect();
     let known = || Law::among(document.catalogue().materials().iter().copied());
     let laws = if laws.is_empty() { asked.all_laws(known()) } else { laws };
+    let trained = tests.iter().zip(&asked.tests).filter(|(_, own)| !own.held_out).map(|(test, _)| test.clone());
+    let trained: Vec<Test> = trained.collect();
     print::introduce(&asked, &tests, console);
     doubtful.iter().for_each(|warning| console.say(format!("WARNING     {warning}")));
     let (mut fitted, mut failed): (Vec<Fitted>, Vec<(Law, FitError)>) = (Vec::new(), Vec::new());
     for law in laws {
         console.phase(&format!("fitting {}", law.label()));
-        let found = fit_law(law, &tests, &options).and_then(|found| Fitted::new(found, &asked, &tests));
+        let found = fit_law(law, &trained, &options).and_then(|found| Fitted::new(found, &asked, &tests));
         match found {
             Ok(found) => fitted.push(found),
             Err(error) => failed.push((law, error)),
@@ -80,13 +82,16 @@ pub fn fit_with(
     let Some(best) = fitted.first() else {
         return Err(RunError::Fit(failed.into_iter().next().map_or(FitError::NoStress, |(_, error)| error)));
     };
-    print::found(&fitted, &tests, &failed, errors, console);
+    print::found(&fitted, &trained, &failed, errors, console);
     let charts = plot::charts(&fitted, &tests, asked.title.as_deref());
     for (name, chart) in &charts {
         chart.write(out.own(name)?)?;
     }
+    let networks: Vec<_> = fitted.iter().filter_map(Fitted::network_file).collect();
+    networks.iter().try_for_each(|(name, network)| out.write_json(name, network))?;
     let names = [PAGE, FILE].into_iter().map(str::to_owned);
-    let files: Vec<String> = names.chain(charts.iter().map(|(name, _)| name.clone())).collect();
+    let others = charts.iter().map(|(name, _)| name).chain(networks.iter().map(|(name, _)| name));
+    let files: Vec<String> = names.chain(others.cloned()).collect();
     let least = best.fit.criteria.aicc;
     let failure = |(law, why): &(Law, FitError)| FailedLawRecord { law: law.label(), why: why.to_string() };
     let record = FitRecord {
@@ -94,7 +99,8 @@ pub fn fit_with(
         version: env!("CARGO_PKG_VERSION").to_owned(),
         title: asked.title.clone().into(),
         errors: asked.errors.name().to_owned(),
-        tests: tests.iter().map(entry::of_test).collect(),
+        tests: tests.iter().zip(&asked.tests).map(|(test, own)| entry::of_test(test, own.held_out)).collect(),
+        seen: entry::seen(&trained),
         best: best.fit.law.label(),
         laws: fitted.iter().map(|one| one.record(least, errors)).collect(),
         failed: failed.iter().map(failure).collect(),

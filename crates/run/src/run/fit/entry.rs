@@ -2,12 +2,12 @@
 
 use nastic_energy::{Existence, MaterialPoint};
 use nastic_fit::{
-    Bulk, End, Entry, Errors, Estimate, Fibers, Fit, FitError, Mode, Range, Scenario, Test, bulk, scenarios,
-    stable_range,
+    Bulk, Coverage, End, Entry, Errors, Estimate, Fibers, Fit, FitError, Law, Mode, Range, Scenario, Test, bulk,
+    r_squared, scenarios, stable_range,
 };
-use nastic_language::schema::FitData;
+use nastic_language::schema::{FitData, network_json};
 use nastic_report::record::{
-    BulkRecord, EstimateRecord, FitStartsRecord, FittedLawRecord, StableRangeRecord, TestRecord,
+    BulkRecord, EstimateRecord, FitStartsRecord, FittedLawRecord, SeenRecord, StableRangeRecord, TestRecord,
 };
 use nastic_result::describe::conditions;
 use serde_json::{Map, Value, json};
@@ -33,6 +33,8 @@ pub(super) struct Fitted {
     pub shear: f64,
     pub stable: Vec<Stable>,
     pub existence: Option<Existence>,
+    /// By test of shape.
+    pub r_squared: Vec<(String, f64)>,
     region: String,
     scenarios: Vec<Scenario>,
 }
@@ -56,11 +58,15 @@ impl Fitted {
             Stable::new(mode, fibers, range, tests)
         });
         let existence = law.existence(MaterialPoint { cell: 0, point: 0 });
+        let shapes = tests.iter().filter(|test| test.mode != Mode::Volumetric);
+        let share = |test: &Test| r_squared(&*incompressible, test).unwrap_or(f64::NAN);
+        let r_squared = shapes.map(|test| (test.name.clone(), share(test))).collect();
         // those that this bulk modulus does not fit are no materials
         let scenarios = scenarios(&fit);
         let admissible = scenarios.iter().all(|one| fit.law.build(&one.parameters, bulk.value).is_ok());
         let scenarios = if admissible { scenarios } else { vec![] };
-        Ok(Fitted { fit, bulk, shear, stable: stable.collect(), existence, region: asked.region.clone(), scenarios })
+        let (stable, region) = (stable.collect(), asked.region.clone());
+        Ok(Fitted { fit, bulk, shear, stable, existence, r_squared, region, scenarios })
     }
 
     /// Poisson's ratio at rest, `(3 K - 2 G)/(2 (3 K + G))`, where there is one.
@@ -79,6 +85,14 @@ impl Fitted {
             block.insert(key.into(), value);
         }
         json!([block])
+    }
+
+    /// Of a network the name of its file, and what that holds.
+    pub fn network_file(&self) -> Option<(String, Value)> {
+        let mut file = self.fit.law.is_network().then(|| self.materials()[0]["network"].clone())?;
+        file["nastic_network"] = json!(1);
+        file["scale"] = json!(rounded(self.shear));
+        Some((format!("fit_{}.json", self.fit.law.label()), file))
     }
 
     fn scenario_block(&self) -> Value {
@@ -115,6 +129,7 @@ impl Fitted {
             points: *points,
             scatter: (*scatter).into(),
             scatter_unit: scatter_unit(errors).to_owned(),
+            r_squared: Some(self.r_squared.iter().map(|(name, share)| (name.clone(), (*share).into())).collect()),
             aicc: criteria.aicc.into(),
             bic: criteria.bic.into(),
             aicc_above_best: (criteria.aicc - least).into(),
@@ -136,7 +151,7 @@ impl Fitted {
 
 impl Stable {
     fn new(mode: Mode, fibers: Option<Fibers>, range: Range, tests: &[Test]) -> Self {
-        let belongs = |test: &&Test| kind(test.mode) == Some(mode) && (fibers.is_none() || test.fibers == fibers);
+        let belongs = |test: &&Test| test.mode.kind() == Some(mode) && (fibers.is_none() || test.fibers == fibers);
         let own = tests.iter().filter(belongs).flat_map(stretches);
         let [low, high] = own.fold([1.0, 1.0], |[low, high], l| [f64::min(low, l), f64::max(high, l)]);
         let [below, above] = range.ends.map(|end| end != End::Examined);
@@ -165,17 +180,7 @@ impl Stable {
     }
 }
 
-/// The mode in which stability is examined that has the deformations of a test.
-fn kind(mode: Mode) -> Option<Mode> {
-    match mode {
-        Mode::Uniaxial => Some(Mode::Uniaxial),
-        Mode::Equibiaxial | Mode::Inflation { .. } => Some(Mode::Equibiaxial),
-        Mode::Planar | Mode::SimpleShear => Some(Mode::Planar),
-        Mode::Volumetric => None,
-    }
-}
-
-/// Stretches of a test in the mode of its [`kind`]; simple shear is planar but for a rotation, with `l - 1/l = g`.
+/// Stretches of a test in the mode of its [`Mode::kind`]; simple shear is planar but for a rotation, with `l - 1/l = g`.
 fn stretches(test: &Test) -> Vec<f64> {
     let of = |x: f64| match test.mode {
         Mode::Volumetric => vec![],
@@ -197,7 +202,7 @@ pub(super) fn scatter_unit(errors: Errors) -> &'static str {
 }
 
 /// A test as it was understood.
-pub(super) fn of_test(test: &Test) -> TestRecord {
+pub(super) fn of_test(test: &Test, held_out: bool) -> TestRecord {
     TestRecord {
         name: test.name.clone(),
         kind: test.mode.name().to_owned(),
@@ -206,6 +211,7 @@ pub(super) fn of_test(test: &Test) -> TestRecord {
         points: test.points.len(),
         at_rest: test.at_rest(),
         weight: test.weight.into(),
+        held_out,
     }
 }
 
@@ -222,6 +228,18 @@ fn largest_stretch(tests: &[Test]) -> f64 {
     tests.iter().flat_map(stretches).fold(1.0, |most, l| most.max(l).max(1.0 / l))
 }
 
+/// All names that files of networks may have.
+pub(super) fn network_files() -> impl Iterator<Item = String> {
+    Law::all().into_iter().filter(|law| law.is_network()).map(|law| format!("fit_{}.json", law.label()))
+}
+
+/// Which shapes tests have seen.
+pub(super) fn seen(tests: &[Test]) -> SeenRecord {
+    let Coverage { missing, first, second } = Coverage::of(tests);
+    let missing = missing.iter().map(|kind| kind.name().to_owned()).collect();
+    SeenRecord { missing, first_invariant: first.to_vec(), second_invariant: second.to_vec() }
+}
+
 fn estimate(one: &Estimate) -> EstimateRecord {
     EstimateRecord {
         value: one.value.into(),
@@ -235,6 +253,7 @@ fn estimate(one: &Estimate) -> EstimateRecord {
 fn text(entry: Entry) -> Value {
     match entry {
         Entry::Direction(along) => json!(along.map(rounded)),
+        Entry::Network(network) => network_json(&network),
         Entry::Number { value, unit: "Pa" } => json!(pressure(value)),
         Entry::Number { value, .. } => json!(rounded(value)),
     }

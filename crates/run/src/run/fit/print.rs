@@ -2,7 +2,7 @@
 
 use crate::console::Console;
 use crate::run::fit::entry::{Fitted, Stable, fibers_name, scatter_unit};
-use nastic_fit::{End, Errors, Estimate, Fibers, FitError, Law, Starts, Test};
+use nastic_fit::{Coverage, End, Errors, Estimate, Fibers, FitError, Law, Starts, Test};
 use nastic_language::number::short;
 use nastic_language::schema::FitData;
 
@@ -15,7 +15,7 @@ pub(super) fn introduce(asked: &FitData, tests: &[Test], console: &Console) {
     if let Some(title) = &asked.title {
         console.say(format!("fit         {title}"));
     }
-    for test in tests {
+    for (test, own) in tests.iter().zip(&asked.tests) {
         let ends = test.points.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], [x, _]| [a.min(*x), b.max(*x)]);
         let (kind, what) = (test.mode.name(), test.response.name().trim_start_matches("a "));
         let weight = if test.weight == 1.0 { String::new() } else { format!(", weight {}", short(test.weight)) };
@@ -25,12 +25,13 @@ pub(super) fn introduce(asked: &FitData, tests: &[Test], console: &Console) {
             some => format!(" ({some} at rest left out)"),
         };
         console.say(format!(
-            "test        {}: {kind}{fibers}, {what}, {} points{rest}, {} {} to {}{weight}",
+            "test        {}: {kind}{fibers}, {what}, {} points{rest}, {} {} to {}{weight}{}",
             test.name,
             test.points.len(),
             test.mode.deformation(),
             short(ends[0]),
-            short(ends[1])
+            short(ends[1]),
+            if own.held_out { ", held out" } else { "" }
         ));
     }
 }
@@ -61,10 +62,17 @@ pub(super) fn found(fitted: &[Fitted], tests: &[Test], failed: &[(Law, FitError)
     }
     for one in fitted {
         console.say(format!("{:<11} {}", "law", one.fit.law.label()));
-        one.fit.parameters.iter().for_each(|parameter| console.say(format!("            {}", estimate(parameter))));
+        match one.network_file() {
+            Some((name, _)) => console.say(format!("            {} numbers: {name}", one.fit.parameters.len())),
+            None => one.fit.parameters.iter().for_each(|own| console.say(format!("            {}", estimate(own)))),
+        }
         remarks(one, tests).into_iter().for_each(|remark| console.say(format!("            {remark}")));
     }
-    let block = serde_json::to_string(&best.materials()).unwrap_or_default();
+    let mut block = best.materials();
+    if let Some((name, _)) = best.network_file() {
+        block[0]["network"] = name.into();
+    }
+    let block = serde_json::to_string(&block).unwrap_or_default();
     console.say(format!("to paste    \"materials\": {block}"));
     console.say("            with its uncertainty: \"materials\" and \"scenarios\" of each law in fit.json");
 }
@@ -89,8 +97,16 @@ fn estimate(one: &Estimate) -> String {
 
 /// Stability, existence, parameters that move together, starts that differ.
 fn remarks(one: &Fitted, tests: &[Test]) -> Vec<String> {
-    let mut out: Vec<String> = one.stable.iter().flat_map(|stable| ends(stable, &one.fit.law.label())).collect();
-    if out.is_empty()
+    let shares = one.r_squared.iter().map(|(name, share)| format!("{name} {share:.4}"));
+    let mut out = vec![format!("R^2: {}", shares.collect::<Vec<_>>().join(", "))];
+    if one.fit.law.is_network() {
+        let seen = Coverage::of(tests);
+        let warning = if seen.missing.is_empty() { "" } else { "WARNING: " };
+        out.push(format!("{warning}{seen}"));
+    }
+    let before = out.len();
+    out.extend(one.stable.iter().flat_map(|stable| ends(stable, &one.fit.law.label())));
+    if out.len() == before
         && let Some(Stable { range, .. }) = one.stable.first()
     {
         out.push(format!("stable (Drucker) in all tests, stretches {} to {}", short(range.from), short(range.to)));
@@ -104,7 +120,8 @@ fn remarks(one: &Fitted, tests: &[Test]) -> Vec<String> {
     if angle.is_some_and(|angle| angle.value > NEARLY_ACROSS) {
         out.push("both families lie nearly across: are \"along\" and \"across\" exchanged?".to_owned());
     }
-    for parameter in one.fit.parameters.iter().filter(|parameter| parameter.at_least) {
+    let numbers = if one.fit.law.is_network() { &[] } else { one.fit.parameters.as_slice() };
+    for parameter in numbers.iter().filter(|parameter| parameter.at_least) {
         out.push(format!(
             "{} is the least that the law admits: the data ask for less, which is excluded",
             parameter.name
@@ -125,7 +142,7 @@ fn remarks(one: &Fitted, tests: &[Test]) -> Vec<String> {
     }
     let names = one.fit.law.parameters();
     for (i, row) in one.fit.correlation.iter().enumerate() {
-        for (j, value) in row.iter().enumerate().take(i) {
+        for (j, value) in row.iter().enumerate().take(if numbers.is_empty() { 0 } else { i }) {
             if let Some(value) = value.filter(|value| value.abs() > ALIKE) {
                 out.push(format!("{} and {} are hardly told apart: correlation {value:.3}", names[j], names[i]));
             }
