@@ -9,6 +9,7 @@ mod costs;
 mod design_chains;
 mod designs;
 mod dielectric;
+mod electric;
 mod extensions_over_ranks;
 mod faults_over_ranks;
 mod filled_mass;

@@ -20,6 +20,7 @@ mod field;
 pub mod formula;
 mod growth;
 mod material;
+mod matter;
 mod moduli;
 pub mod network;
 mod parametrised;
@@ -43,6 +44,7 @@ pub use growth::{
     ThermalExpansion,
 };
 pub use material::*;
+pub use matter::{Gradients, Matter, MatterPoint};
 pub use moduli::Moduli;
 pub use parametrised::{LinearInModuli, Parametrised};
 pub use polyconvex::{Block, Change, Conjugates, ConvexDensity, Curvature, Partials};

@@ -8,6 +8,7 @@ mod fiber_limit;
 mod growth;
 mod law_parameters;
 mod magnet;
+mod matter;
 mod parameters;
 mod rubber_laws;
 mod viscosity;

@@ -24,6 +24,7 @@ use crate::model::views::{Properties, Tangents};
 use nastic_body::body_energy::AttachedLaw;
 use nastic_body::body_energy::BodyEnergy;
 use nastic_body::body_energy::driving::Driving;
+use nastic_body::body_energy::point_peaks::PointPeak;
 use nastic_body::body_energy::point_strains::PointStrains;
 use nastic_body::contribution::constrains::Constrains;
 use nastic_body::contribution::point::{ContributionPoint, Need};
@@ -320,13 +321,26 @@ impl Model {
         found
     }
 
+    /// The largest values of what actuations and contributions are judged by at every point.
+    ///
+    /// # Errors
+    /// [`Inadmissible`] where u is.
+    pub fn point_peaks(&self, at: &Instant) -> Result<Vec<PointPeak>, Inadmissible> {
+        let mut all = self.body.point_peaks(&self.displacement(at.u), at.controls)?;
+        self.each_other(at, |contribution, at| {
+            all.extend(contribution.point_peak(at));
+            Ok::<(), Inadmissible>(())
+        })?;
+        Ok(all)
+    }
+
     /// Named numbers of every actuation and contribution that has some: its name, that of the number, value. Of an actuation it is the
     /// largest value over its points (see [`BodyEnergy::point_peaks`]).
     ///
     /// # Errors
     /// [`Inadmissible`] where a contribution needs J > 0.
     pub fn quantities(&self, at: &Instant) -> Result<Vec<(String, &'static str, f64)>, Inadmissible> {
-        let peaks = self.body.point_peaks(&self.displacement(at.u), at.controls)?;
+        let peaks = self.point_peaks(at)?;
         let mut all: Vec<_> = peaks.into_iter().map(|peak| (peak.actuation, peak.quantity.name, peak.value)).collect();
         if let (Some((_, shape)), Some(worst)) = (self.body.shape(), self.body.shape_quality(at.controls)) {
             let own = [("least_det_G", worst.least_volume), ("distortion", worst.distortion)];
@@ -337,6 +351,7 @@ impl Model {
             all.extend(own.into_iter().map(|(name, value)| (contribution.name().to_owned(), name, value)));
             Ok::<(), Inadmissible>(())
         })?;
+        all.extend(self.gathered(at)?);
         Ok(all)
     }
 

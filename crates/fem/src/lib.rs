@@ -59,6 +59,8 @@ pub use nastic_equilibrium::stability::path::{EquilibriumPath, EventKind, PathEn
 pub use nastic_equilibrium::stability::ramp::{CriticalPoint, Ramp, RampPoint};
 pub use nastic_forces::cavity::{Cavity, Lumen};
 pub use nastic_forces::contact::{Contact, ContactLaw};
+pub use nastic_forces::dielectric_body::DielectricBody;
+pub use nastic_forces::electrode::{Electrode, ElectrodeDrive, ElectrodePlace};
 pub use nastic_forces::foundation::Foundation;
 pub use nastic_forces::free_shape::{DrawnKeeper, SkinMap};
 pub use nastic_forces::inertia::{BodyInertia, Inertia};

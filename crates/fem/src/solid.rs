@@ -27,6 +27,7 @@ use nastic_tensor::Vec3;
 use std::sync::Arc;
 
 pub(crate) mod cell_fields;
+mod electric;
 mod over_ranks;
 mod reactions;
 mod shapes;

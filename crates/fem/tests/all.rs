@@ -29,6 +29,7 @@ mod deflation;
 mod derivatives;
 mod descent;
 mod dielectric;
+mod electric;
 mod energy_balance;
 mod evaluated_once;
 mod exact_contact;

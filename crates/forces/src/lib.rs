@@ -3,6 +3,8 @@
 pub mod cavity;
 pub mod contact;
 pub mod dead_load;
+pub mod dielectric_body;
+pub mod electrode;
 mod element_matrices;
 pub mod fill;
 mod filled_mass;
@@ -10,6 +12,7 @@ pub mod foundation;
 pub mod free_shape;
 mod guides;
 pub mod inertia;
+mod matter_cells;
 pub mod medium;
 pub mod moving_support;
 mod no_force;

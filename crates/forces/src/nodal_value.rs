@@ -1,28 +1,30 @@
 //! [`NodalValue`]: nodes at which a field has one value.
 
 use crate::no_force::NoForce;
-use nastic_body::contribution::Contribution;
+use nastic_body::contribution::gathers::Gathers;
 use nastic_body::contribution::point::{ContributionPoint, Need};
 use nastic_body::contribution::prescribes::Prescribes;
-use nastic_body::contribution::sensitivities::Sensitivities;
+use nastic_body::contribution::sensitivities::{Increment, SecondSensitivities, Sensitivities};
 use nastic_body::contribution::tied::Tied;
+use nastic_body::contribution::{Contribution, Demand, Sums};
 use nastic_body::controls::Controls;
-use nastic_body::error::{FemError, Inadmissible};
+use nastic_body::error::{FemError, Inadmissible, SecondDerivativeError};
 use nastic_body::instant::Instant;
 use nastic_energy::Slot;
-use nastic_linear::Field;
+use nastic_linear::{Field, SparseMatrix};
 use nastic_mesh::{GroupNames, Mesh};
 
 /// A scalar field phi beside the displacement has one value on a surface or node set: `phi_a = m`, m a control (the voltage of an electrode), or `phi_a = phi_b`, a value
-/// that is found such that what flows there adds up to zero (an electrode that floats).
+/// that is found such that what flows there adds up to zero (an electrode that floats), or to a control Q (its charge): the potential energy gets `Q phi_a`.
 ///
-/// The derivative of a functional j by m is `sum_a (j_phi + K^T lambda)_a`. A value that is found is the unknown of one of the nodes, which all others follow.
+/// The derivative of a functional j by m is `sum_a (j_phi + K^T lambda)_a`, that by Q is `lambda_a`. A value that is found is the unknown of one of the nodes, which all others follow.
 #[derive(Debug, Clone)]
 pub struct NodalValue {
     name: String,
     field: Field,
     surface: GroupNames,
     slots: Vec<Slot>,
+    flow: bool,
 }
 
 impl NodalValue {
@@ -31,9 +33,14 @@ impl NodalValue {
         NodalValue { slots: vec![slot], ..Self::floating(name, field, surface) }
     }
 
+    /// One that is found such that `-sum_a dP/dphi_a` without what it adds itself, the charge on an electrode, is a control.
+    pub fn charged(name: &str, field: Field, surface: impl Into<GroupNames>, slot: Slot) -> Self {
+        NodalValue { slots: vec![slot], flow: true, ..Self::floating(name, field, surface) }
+    }
+
     /// One that is found.
     pub fn floating(name: &str, field: Field, surface: impl Into<GroupNames>) -> Self {
-        NodalValue { name: name.to_owned(), field, surface: surface.into(), slots: Vec::new() }
+        NodalValue { name: name.to_owned(), field, surface: surface.into(), slots: Vec::new(), flow: false }
     }
 
     /// The names of where it is.
@@ -67,6 +74,7 @@ impl NodalValue {
             name: self.name.clone(),
             fields: [self.field.clone()],
             slots: self.slots.clone(),
+            flow: self.flow,
             dim: mesh.dim(),
             tied,
             nodes,
@@ -74,13 +82,15 @@ impl NodalValue {
     }
 }
 
-/// The contribution of a [`NodalValue`], which has no residual of its own.
+/// The contribution of a [`NodalValue`], whose residual is `dP/dphi_a = Q` at one node where a charge is given, and zero elsewhere.
 #[derive(Debug)]
 pub struct OneValue {
     name: String,
     fields: [Field; 1],
-    /// One of a control, none of a value that is found.
+    /// One of a control, none of a value that is found without charge.
     slots: Vec<Slot>,
+    /// Whether the control is the charge.
+    flow: bool,
     dim: usize,
     nodes: Vec<u32>,
     tied: Tied,
@@ -90,6 +100,15 @@ impl OneValue {
     /// Its unknowns in vectors of the displacement and its field.
     fn places(&self) -> impl Iterator<Item = usize> {
         self.nodes.iter().map(|&node| (self.dim + 1) * node as usize + self.dim)
+    }
+
+    /// That of the node which all others follow.
+    fn first(&self) -> usize {
+        (self.dim + 1) * self.tied.masters[0] as usize + self.dim
+    }
+
+    fn is_given(&self) -> bool {
+        !self.slots.is_empty() && !self.flow
     }
 }
 
@@ -111,6 +130,19 @@ impl Prescribes for OneValue {
     }
 }
 
+impl Gathers for OneValue {
+    fn unknowns(&self) -> Vec<usize> {
+        self.places().collect()
+    }
+
+    /// Voltage U, charge Q, and Q/U, no number where U is zero: the capacitance where all other electrodes are grounded.
+    fn quantities(&self, at: &Instant, sum: f64) -> Vec<(&'static str, f64)> {
+        let (voltage, charge) = (at.u[self.first()], -sum);
+        let capacitance = if voltage == 0.0 { f64::NAN } else { charge / voltage };
+        vec![("voltage", voltage), ("charge", charge), ("capacitance", capacitance)]
+    }
+}
+
 impl Contribution for OneValue {
     fn name(&self) -> &str {
         &self.name
@@ -124,17 +156,20 @@ impl Contribution for OneValue {
         &self.slots
     }
 
-    /// The value.
-    fn quantities(&self, at: &Instant) -> Vec<(&'static str, f64)> {
-        self.places().take(1).map(|dof| ("value", at.u[dof])).collect()
+    fn field_nodes(&self) -> Option<Vec<u32>> {
+        Some(self.nodes.clone())
+    }
+
+    fn gathers(&self) -> Option<&dyn Gathers> {
+        Some(self)
     }
 
     fn prescribes(&self) -> Option<&dyn Prescribes> {
-        if self.slots.is_empty() { None } else { Some(self) }
+        if self.is_given() { Some(self) } else { None }
     }
 
     fn tied(&self) -> Option<&Tied> {
-        self.slots.is_empty().then_some(&self.tied)
+        (!self.is_given()).then_some(&self.tied)
     }
 
     fn is_stiff(&self) -> bool {
@@ -142,6 +177,50 @@ impl Contribution for OneValue {
     }
 
     fn at<'a>(&'a self, _: &Instant, _: Need) -> Result<Box<dyn ContributionPoint + 'a>, Inadmissible> {
-        Ok(Box::new(NoForce))
+        if self.flow { Ok(Box::new(self)) } else { Ok(Box::new(NoForce)) }
+    }
+}
+
+/// Where a charge is given.
+impl ContributionPoint for OneValue {
+    fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible> {
+        let (charge, first) = (at.control(0), self.first());
+        if demand.energy {
+            sums.energy += charge * at.u[first];
+            sums.energy_scale += (charge * at.u[first]).abs();
+        }
+        if demand.force {
+            sums.force[first] += charge;
+            sums.force_scale[first] += charge.abs();
+        }
+        Ok(())
+    }
+
+    fn add_tangent(&self, _: &Instant, _: &mut SparseMatrix) -> Result<(), Inadmissible> {
+        Ok(())
+    }
+
+    fn add_tangent_product(&self, _: &Instant, _: &[f64], _: &mut [f64]) -> Result<bool, Inadmissible> {
+        Ok(true)
+    }
+
+    fn vjp(&self, at: &Instant, lambda: &[f64], into: &mut Sensitivities) -> Result<(), Inadmissible> {
+        into.add_control(at, 0, lambda[self.first()]);
+        Ok(())
+    }
+
+    fn add_control_product(&self, at: &Instant, v: &Controls, out: &mut [f64]) -> Result<(), SecondDerivativeError> {
+        out[self.first()] += at.slot_of(v, 0);
+        Ok(())
+    }
+
+    fn second_vjp(
+        &self,
+        _: &Instant,
+        _: &[f64],
+        _: &Increment,
+        _: &mut SecondSensitivities,
+    ) -> Result<(), SecondDerivativeError> {
+        Ok(())
     }
 }

@@ -3,6 +3,7 @@
 pub mod body_point;
 pub mod constrains;
 pub mod energy_role;
+pub mod gathers;
 pub mod point;
 pub mod prescribes;
 pub mod sensitivities;
@@ -10,12 +11,14 @@ pub mod tied;
 pub mod touches;
 
 use crate::body_energy::free_shape::FreeShape;
+use crate::body_energy::point_peaks::PointPeak;
 use crate::controls::ControlPoint;
 use crate::discretization::supports::Supports;
 use crate::history::Remembers;
 use crate::instant::Instant;
 use constrains::Constrains;
 use energy_role::EnergyRole;
+use gathers::Gathers;
 use point::{ContributionPoint, Need};
 use prescribes::Prescribes;
 use tied::Tied;
@@ -63,6 +66,16 @@ pub trait Contribution: Debug + Send + Sync {
     /// of these fields, in this order, whatever other fields a model has; so do the rows of its matrices.
     fn fields(&self) -> &[Field] {
         &[]
+    }
+
+    /// The nodes at which it determines its [fields](Self::fields), or is given their value; `None` of all.
+    fn field_nodes(&self) -> Option<Vec<u32>> {
+        None
+    }
+
+    /// Unknowns of its fields of which it reports what all others put there, if there are some.
+    fn gathers(&self) -> Option<&dyn Gathers> {
+        None
     }
 
     /// Sets of nodes that it couples with each other beyond those that share a cell, whatever the state. Pairs that change with the state
@@ -143,6 +156,11 @@ pub trait Contribution: Debug + Send + Sync {
     /// Named numbers worth reporting of a state: the volume of a cavity, say.
     fn quantities(&self, _at: &Instant) -> Vec<(&'static str, f64)> {
         Vec::new()
+    }
+
+    /// The largest value of what it is judged by at every point, where there is such a thing.
+    fn point_peak(&self, _at: &Instant) -> Option<PointPeak> {
+        None
     }
 
     /// What of it is to be drawn beside the body: tendons and springs, say.

@@ -425,7 +425,9 @@ impl Supports {
             }
             total
         };
-        self.groups.iter().map(|(name, dofs)| (name.clone(), sum(dofs))).collect()
+        let of_displacement = |dofs: &[u32]| dofs.iter().any(|dof| *dof as usize % self.block < self.dim);
+        let groups = self.groups.iter().filter(|(_, dofs)| dofs.is_empty() || of_displacement(dofs));
+        groups.map(|(name, dofs)| (name.clone(), sum(dofs))).collect()
     }
 }
 

@@ -40,7 +40,7 @@ impl Dielectric {
     pub const NAME: &str = "dielectric";
     const SLOTS: [Slot; 1] = [Slot::scalar("field", "V/m")];
     /// `|E_t|`.
-    const TRUE_FIELD: PointQuantity = PointQuantity { name: "true_field", unit: "V/m" };
+    pub const TRUE_FIELD: PointQuantity = PointQuantity { name: "true_field", unit: "V/m" };
 
     /// A film of permittivity `eps` (F/m) whose electrodes are across `e`.
     ///

@@ -2,9 +2,9 @@
 
 use super::Model;
 use super::restricted::{RestrictedPoint, Selection};
-use nastic_body::contribution::Contribution;
 use nastic_body::contribution::point::{ContributionPoint, Need};
 use nastic_body::contribution::tied::Tied;
+use nastic_body::contribution::{Contribution, Demand, Sums};
 use nastic_body::discretization::Discretization;
 use nastic_body::discretization::supports::Supports;
 use nastic_body::error::{FemError, Inadmissible};
@@ -71,6 +71,46 @@ impl Model {
             &format!("{component} of \"{field}\""),
             value,
         )
+    }
+
+    /// Holds the fields beyond the displacement at zero at nodes where no contribution determines them.
+    ///
+    /// # Errors
+    /// A node that something holds already.
+    pub fn hold_idle_fields(&mut self) -> Result<(), FemError> {
+        let fields: Vec<Field> = self.space.nodal_fields().skip(1).map(|(_, field)| field.clone()).collect();
+        for field in fields {
+            let own = self.others.iter().filter(|c| c.fields().iter().any(|own| own.name == field.name));
+            let Some(nodes) = own.map(|c| c.field_nodes()).collect::<Option<Vec<_>>>() else { continue };
+            let mut idle = vec![true; self.space.nodes()];
+            nodes.iter().flatten().for_each(|node| idle[*node as usize] = false);
+            let idle: Vec<u32> = (0..self.space.nodes() as u32).filter(|node| idle[*node as usize]).collect();
+            let name = format!("where there is no {}", field.name);
+            (0..field.components).try_for_each(|c| self.prescribe(&field.name, c, &name, &idle, 0.0))?;
+        }
+        Ok(())
+    }
+
+    /// What contributions report of what all others put on unknowns of theirs: see [`Gathers`](nastic_body::contribution::gathers::Gathers).
+    pub(super) fn gathered(&self, at: &Instant) -> Result<Vec<(String, &'static str, f64)>, Inadmissible> {
+        let mut all = Vec::new();
+        if self.others.iter().all(|c| c.gathers().is_none()) {
+            return Ok(all);
+        }
+        let mut sums = Sums::zero(self.space.len());
+        let demand = Demand { energy: false, force: true };
+        for (contribution, at) in self.others.iter().zip(self.instants(at)).filter(|(c, _)| c.gathers().is_none()) {
+            self.point_of(contribution.as_ref(), &at, Need::Residual)?.add_residual(&at, demand, &mut sums)?;
+        }
+        for (contribution, at) in self.others.iter().zip(self.instants(at)) {
+            let Some(gathers) = contribution.gathers() else { continue };
+            let own = self.selection(contribution.as_ref()).map(|selection| selection.gather(&sums.force));
+            let force = own.as_deref().unwrap_or(&sums.force);
+            let sum = gathers.unknowns().into_iter().map(|dof| force[dof]).sum();
+            let quantities = self.among_fields(contribution.as_ref(), &at, |at| gathers.quantities(at, sum));
+            all.extend(quantities.into_iter().map(|(name, value)| (contribution.name().to_owned(), name, value)));
+        }
+        Ok(all)
     }
 
     /// The space with the fields of a contribution.

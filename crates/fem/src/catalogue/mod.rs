@@ -1,6 +1,7 @@
 //! The catalogue of contributions: a row each, with an example that the contract test holds to [`check_contribution`](nastic_equilibrium::contribution_check::check_contribution).
 
 mod cavity;
+mod electric;
 mod form;
 mod free_shape;
 mod key;
@@ -14,6 +15,8 @@ use nastic_body::error::FemError;
 use nastic_energy::{FiberTension, NeoHooke, Slot};
 use nastic_forces::cavity::Cavity;
 use nastic_forces::contact::{Contact, ContactLaw};
+use nastic_forces::dielectric_body::DielectricBody;
+use nastic_forces::electrode::Electrode;
 use nastic_forces::foundation::Foundation;
 use nastic_forces::inertia::{BodyInertia, Inertia};
 use nastic_forces::medium::Medium;
@@ -29,6 +32,7 @@ use nastic_mesh::spatial::Obstacle;
 use nastic_mesh::{CellKind, Mesh, RawMesh, box_mesh};
 use nastic_tensor::Vec3;
 
+pub use electric::ELECTRODE;
 pub use form::{Form, FormValues};
 pub use key::{Key, KeyKind, Need};
 
@@ -142,6 +146,19 @@ pub const CATALOGUE: &[Entry] = &[
         name: "floating electrode",
         form: None,
         example: || block()?.nodal_value(NodalValue::floating("floating electrode", potential(), "inside")),
+    },
+    Entry {
+        name: "electrode with a charge",
+        form: None,
+        example: || {
+            let body = DielectricBody::of("layer", "body", 40.0);
+            block()?.dielectric_body(&body)?.electrode(&Electrode::on("electrode with a charge", "x+").charged())
+        },
+    },
+    Entry {
+        name: DielectricBody::KIND,
+        form: Some(electric::DIELECTRIC_BODY),
+        example: || block()?.dielectric_body(&DielectricBody::of(DielectricBody::KIND, "body", 40.0)),
     },
     Entry {
         name: "cavity of a volume",
