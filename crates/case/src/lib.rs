@@ -2,6 +2,7 @@
 
 pub mod analysis;
 pub mod describe;
+pub mod electric;
 pub mod expectation;
 pub mod film;
 pub mod inspect;

@@ -60,7 +60,7 @@ impl Reduced {
 
     /// A state as arrays, for VTU files and pictures.
     ///
-    /// Point data: `displacement` (from the drawn body), the change of its shape under the name of that, `velocity` (in motion), `adjoint`, `reaction` (of supports, of equilibria), `contact_pressure` (where there are contacts), `nodal_cauchy_stress` (smoothed) and its `nodal_mises`, nodal controls and
+    /// Point data: `displacement` (from the drawn body), the change of its shape under the name of that, `velocity` (in motion), `adjoint`, `reaction` (of supports, of equilibria), `contact_pressure` (where there are contacts), further fields under their names (`potential`), `nodal_cauchy_stress` (smoothed) and its `nodal_mises`, nodal controls and
     /// `gradient_NAME`. Cell data: the other controls and
     /// gradients, one value per cell (of a control on a grid its mean there); averages over the reference volume of every scalar slot that nobody controls (under
     /// the actuation's name), of `B_r` and `B_a` (the sums over all magnets), `J`, `P` and `cauchy_stress` (row by row),
@@ -93,6 +93,10 @@ impl Reduced {
             }
         }
         shot = self.with_actuations(shot, fields.state)?;
+        let model = self.solid().model();
+        for (_, field) in model.unknowns().nodal_fields().skip(1) {
+            shot = shot.with_points(&field.name, field.components, model.field(&field.name, &fields.state.u)?)?;
+        }
         let at = Instant::of(fields.state);
         shot = shot.with_lines(self.solid().model().lines(&at).unwrap_or_default());
         if let Some(pressures) = self.solid().model().contacts().nodal_pressures(&at) {

@@ -238,3 +238,48 @@ fn rings_have_the_capacitance_of_their_closed_form() -> Outcome {
     }
     Ok(())
 }
+
+/// A plate on a spring k over a gap d of air pulls in at d/3 and V^2 = 8 k d^3/(27 eps); the softer the air, the nearer. The plate and its spring conduct.
+#[test]
+fn a_plate_on_a_spring_pulls_in_over_air() -> Outcome {
+    let (gap, length, permittivity) = (1.0, 100.0, 0.5);
+    let stiffness = (LAMBDA + 2.0 * MU) / length;
+    let critical = (8.0 * stiffness * gap.powi(3) / (27.0 * permittivity)).sqrt();
+    let error = |soft: f64| -> Outcome<[f64; 2]> {
+        let mesh = common::regular(CellKind::Hex8, [1.0, 1.0, 3.0], [1, 1, 3])?;
+        let mesh = mesh.with_region("air", vec![0, 1]).with_region("spring", vec![2]);
+        let mesh = mesh.mapped(|x| [x[0], x[1], if x[2] > 2.5 { gap + length } else { 0.5 * gap * x[2] }])?;
+        let aside = [Some(0.0), Some(0.0), None];
+        // of the stiffness over the gap
+        let air = soft * stiffness * gap / (LAMBDA + 2.0 * MU);
+        let solid = Solid::new(mesh)?
+            .material("spring", NeoHooke::new(MU, LAMBDA)?)?
+            .material("air", NeoHooke::new(air * MU, air * LAMBDA)?)?
+            .clamp("z-")?
+            .clamp("z+")?;
+        let solid = ["x-", "x+"].into_iter().try_fold(solid, |solid, side| solid.displace(side, aside))?;
+        let plate = Electrode::within("plate", "spring");
+        let solid = solid
+            .electric(&[DielectricBody::of("gap", "air", permittivity)], &[Electrode::on("ground", "z-"), plate])?;
+        let at = |voltage: f64| {
+            let mut controls = solid.controls();
+            let block = solid.model().controllable().iter().position(|c| c.name == "plate").unwrap_or_default();
+            controls.values_mut(block)[0] = voltage;
+            controls
+        };
+        let start = solid.solve(&at(0.2 * critical), &STRICT)?;
+        let options = PathOptions { to_limit: true, step: 0.003, ..PathOptions::default() };
+        let (stability, mut workspace) = (solid.model().stability(), Workspace::default());
+        let path =
+            stability.path(&start, (&at(1.4 * critical), 1.0), &options, &STRICT, &mut workspace, &mut |_| ())?;
+        let limit = path.events.iter().find(|event| event.kind == EventKind::LimitPoint).ok_or("no limit point")?;
+        let node = common::node_at(solid.mesh(), [0.0, 0.0, gap]).ok_or("no node")?;
+        let voltage = 0.2 + 1.2 * limit.s;
+        Ok([voltage - 1.0, -3.0 * limit.state.u[4 * node + 2] / gap - 1.0].map(f64::abs))
+    };
+    let (coarse, fine) = (error(1e-1)?, error(1e-3)?);
+    println!("{coarse:?} {fine:?}");
+    assert!(fine[0] < 0.01 && fine[1] < 0.01, "{fine:?}");
+    assert!(fine[0] < 0.1 * coarse[0], "{coarse:?} {fine:?}");
+    Ok(())
+}

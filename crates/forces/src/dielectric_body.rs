@@ -28,6 +28,7 @@ pub struct DielectricBody {
     region: GroupNames,
     permittivity: f64,
     breakdown: Option<f64>,
+    unit: f64,
 }
 
 impl DielectricBody {
@@ -38,13 +39,29 @@ impl DielectricBody {
 
     /// Over a region, of a permittivity.
     pub fn of(name: &str, region: impl Into<GroupNames>, permittivity: f64) -> Self {
-        DielectricBody { name: name.to_owned(), region: region.into(), permittivity, breakdown: None }
+        DielectricBody { name: name.to_owned(), region: region.into(), permittivity, breakdown: None, unit: 1.0 }
     }
 
     /// With the largest true field that it bears, V/m, which is reported and changes no state.
     #[must_use]
     pub fn with_breakdown(self, strength: f64) -> Self {
         DielectricBody { breakdown: Some(strength), ..self }
+    }
+
+    /// With unknowns that are potentials over so many V, a power of two: what makes `eps unit^2` some shear modulus of the body.
+    #[must_use]
+    pub fn in_units_of(self, unit: f64) -> Self {
+        DielectricBody { unit, ..self }
+    }
+
+    /// Its permittivity.
+    pub fn permittivity(&self) -> f64 {
+        self.permittivity
+    }
+
+    /// Where it is.
+    pub fn region(&self) -> &GroupNames {
+        &self.region
     }
 
     /// The potential: one for all dielectrics and electrodes of a body.
@@ -66,9 +83,10 @@ impl DielectricBody {
         }
         let cells = mesh.cells_of(&self.region)?;
         let points = QuadraturePoints::of_cells(mesh, cells, |kind| kind.rule().clone())?;
-        let matter = Matter::Dielectric { permittivity: self.permittivity };
+        let matter = Matter::Dielectric { permittivity: self.permittivity * self.unit * self.unit };
         let cells = MatterCells { matter, points, dim: mesh.dim() };
-        Ok(DielectricCells { name: self.name.clone(), fields: [Self::potential()], cells, breakdown: self.breakdown })
+        let (name, fields) = (self.name.clone(), [Self::potential()]);
+        Ok(DielectricCells { name, fields, cells, breakdown: self.breakdown, unit: self.unit })
     }
 }
 
@@ -79,6 +97,8 @@ pub struct DielectricCells {
     fields: [Field; 1],
     cells: MatterCells,
     breakdown: Option<f64>,
+    /// V
+    unit: f64,
 }
 
 impl Contribution for DielectricCells {
@@ -94,6 +114,10 @@ impl Contribution for DielectricCells {
         Some(self.cells.nodes())
     }
 
+    fn field_unit(&self) -> f64 {
+        self.unit
+    }
+
     /// F is that from the drawn cells.
     fn drawn_nodes(&self) -> Vec<u32> {
         self.cells.nodes()
@@ -106,7 +130,8 @@ impl Contribution for DielectricCells {
 
     /// Of the true field `|F^-T grad phi|`.
     fn point_peak(&self, at: &Instant) -> Option<PointPeak> {
-        let fields = self.cells.largest_fields(at)?;
+        let fields: Vec<_> =
+            self.cells.largest_fields(at)?.into_iter().map(|(cell, field)| (cell, self.unit * field)).collect();
         let first = fields.first().copied()?;
         let most = fields.iter().copied().fold(first, |most, own| if own.1 > most.1 { own } else { most });
         Some(PointPeak {

@@ -16,6 +16,7 @@ pub struct Electrode {
     name: String,
     place: ElectrodePlace,
     drive: ElectrodeDrive,
+    unit: f64,
 }
 
 /// Where an electrode is.
@@ -47,13 +48,13 @@ impl Electrode {
     /// On surfaces or node sets, with a voltage.
     pub fn on(name: &str, surface: impl Into<GroupNames>) -> Self {
         let place = ElectrodePlace::Nodes(surface.into());
-        Electrode { name: name.to_owned(), place, drive: ElectrodeDrive::Voltage }
+        Electrode { name: name.to_owned(), place, drive: ElectrodeDrive::Voltage, unit: 1.0 }
     }
 
     /// In regions, with a voltage.
     pub fn within(name: &str, region: impl Into<GroupNames>) -> Self {
         let place = ElectrodePlace::Region(region.into());
-        Electrode { name: name.to_owned(), place, drive: ElectrodeDrive::Voltage }
+        Electrode { name: name.to_owned(), place, drive: ElectrodeDrive::Voltage, unit: 1.0 }
     }
 
     /// With a charge in the place of a voltage.
@@ -66,6 +67,12 @@ impl Electrode {
     #[must_use]
     pub fn floating(self) -> Self {
         Electrode { drive: ElectrodeDrive::Floating, ..self }
+    }
+
+    /// Of a potential whose unknowns are in this unit, as those of the [dielectric bodies](DielectricBody::in_units_of).
+    #[must_use]
+    pub fn in_units_of(self, unit: f64) -> Self {
+        Electrode { unit, ..self }
     }
 
     /// Its name.
@@ -90,7 +97,7 @@ impl Electrode {
             ElectrodeDrive::Charge => NodalValue::charged(name, field, names.clone(), Self::CHARGE),
             ElectrodeDrive::Floating => NodalValue::floating(name, field, names.clone()),
         };
-        value.on(mesh, nodes)
+        value.in_units_of(self.unit).on(mesh, nodes)
     }
 }
 

@@ -25,6 +25,7 @@ pub struct NodalValue {
     surface: GroupNames,
     slots: Vec<Slot>,
     flow: bool,
+    unit: f64,
 }
 
 impl NodalValue {
@@ -40,7 +41,13 @@ impl NodalValue {
 
     /// One that is found.
     pub fn floating(name: &str, field: Field, surface: impl Into<GroupNames>) -> Self {
-        NodalValue { name: name.to_owned(), field, surface: surface.into(), slots: Vec::new(), flow: false }
+        NodalValue { name: name.to_owned(), field, surface: surface.into(), slots: Vec::new(), flow: false, unit: 1.0 }
+    }
+
+    /// Of a field whose unknowns are values over this unit.
+    #[must_use]
+    pub fn in_units_of(self, unit: f64) -> Self {
+        NodalValue { unit, ..self }
     }
 
     /// The names of where it is.
@@ -75,6 +82,7 @@ impl NodalValue {
             fields: [self.field.clone()],
             slots: self.slots.clone(),
             flow: self.flow,
+            unit: self.unit,
             dim: mesh.dim(),
             tied,
             nodes,
@@ -91,6 +99,8 @@ pub struct OneValue {
     slots: Vec<Slot>,
     /// Whether the control is the charge.
     flow: bool,
+    /// What unknowns are multiplied by.
+    unit: f64,
     dim: usize,
     nodes: Vec<u32>,
     tied: Tied,
@@ -118,15 +128,15 @@ impl Prescribes for OneValue {
     }
 
     fn prescribe(&self, at: &Instant, u: &mut [f64]) {
-        self.places().for_each(|dof| u[dof] = at.control(0));
+        self.places().for_each(|dof| u[dof] = at.control(0) / self.unit);
     }
 
     fn add_change(&self, at: &Instant, v: &Controls, du: &mut [f64]) {
-        self.places().for_each(|dof| du[dof] += at.slot_of(v, 0));
+        self.places().for_each(|dof| du[dof] += at.slot_of(v, 0) / self.unit);
     }
 
     fn vjp(&self, at: &Instant, force: &[f64], into: &mut Sensitivities) {
-        into.add_control(at, 0, self.places().map(|dof| force[dof]).sum());
+        into.add_control(at, 0, self.places().map(|dof| force[dof]).sum::<f64>() / self.unit);
     }
 }
 
@@ -137,7 +147,7 @@ impl Gathers for OneValue {
 
     /// Voltage U, charge Q, and Q/U, no number where U is zero: the capacitance where all other electrodes are grounded.
     fn quantities(&self, at: &Instant, sum: f64) -> Vec<(&'static str, f64)> {
-        let (voltage, charge) = (at.u[self.first()], -sum);
+        let (voltage, charge) = (self.unit * at.u[self.first()], -sum / self.unit);
         let capacitance = if voltage == 0.0 { f64::NAN } else { charge / voltage };
         vec![("voltage", voltage), ("charge", charge), ("capacitance", capacitance)]
     }
@@ -154,6 +164,10 @@ impl Contribution for OneValue {
 
     fn slots(&self) -> &[Slot] {
         &self.slots
+    }
+
+    fn field_unit(&self) -> f64 {
+        self.unit
     }
 
     fn field_nodes(&self) -> Option<Vec<u32>> {
@@ -184,7 +198,7 @@ impl Contribution for OneValue {
 /// Where a charge is given.
 impl ContributionPoint for OneValue {
     fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible> {
-        let (charge, first) = (at.control(0), self.first());
+        let (charge, first) = (self.unit * at.control(0), self.first());
         if demand.energy {
             sums.energy += charge * at.u[first];
             sums.energy_scale += (charge * at.u[first]).abs();
@@ -205,12 +219,12 @@ impl ContributionPoint for OneValue {
     }
 
     fn vjp(&self, at: &Instant, lambda: &[f64], into: &mut Sensitivities) -> Result<(), Inadmissible> {
-        into.add_control(at, 0, lambda[self.first()]);
+        into.add_control(at, 0, self.unit * lambda[self.first()]);
         Ok(())
     }
 
     fn add_control_product(&self, at: &Instant, v: &Controls, out: &mut [f64]) -> Result<(), SecondDerivativeError> {
-        out[self.first()] += at.slot_of(v, 0);
+        out[self.first()] += self.unit * at.slot_of(v, 0);
         Ok(())
     }
 

@@ -158,7 +158,7 @@ fn contradictions_between_blocks_are_found() {
         "materials/0/mu1\": \"90 kPa\"",
         "mesh\": \"90 kPa\"",
         ": scenarios/0/set/mesh: \"mesh\" cannot vary between scenarios or load cases, only materials, \
-         supports, springs, media, obstacles, contact, loads, actuation, costs can, and \"controls/K/projection/eta\" between scenarios",
+         supports, springs, media, obstacles, contact, loads, actuation, electrodes, costs can, and \"controls/K/projection/eta\" between scenarios",
     );
     one(
         COMPLETE,

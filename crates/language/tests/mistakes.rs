@@ -21,7 +21,7 @@ fn unknown_keys_name_the_nearest_and_the_list() {
         "\"optimizer\"",
         "\"optimiser\"",
         ": optimiser: unknown key \"optimiser\": did you mean \"optimizer\"? (one of: nastic, title, units, \
-         mesh, surfaces, regions, materials, supports, springs, media, obstacles, contact, loads, actuation, controls, costs, constraints, load_cases, scenarios, risk, time, optimizer, \
+         mesh, surfaces, regions, materials, supports, springs, media, obstacles, contact, loads, actuation, electrodes, controls, costs, constraints, load_cases, scenarios, risk, time, optimizer, \
          gains, linear_solver, probes, expect, output, $schema)",
     );
     one(
@@ -193,7 +193,7 @@ fn wrong_types_and_missing_keys_are_clear() {
         "\"fibre_tension\"",
         ": actuation/0/kind: unknown kind \"fibre_tension\": did you mean \"fiber_tension\"? (one of: \
          fiber_tension, muscle, turgor, magnet, dielectric, growth, stretch_along, area_growth, heat, lce, \
-         active_strain, growth_tensor, shape, free_shape, cavity, tendon, motion)",
+         active_strain, growth_tensor, shape, free_shape, cavity, tendon, motion, dielectric_body)",
     );
     one(
         COMPLETE,

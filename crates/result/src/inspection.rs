@@ -8,7 +8,7 @@ use nastic_case::warning::{
     Warning,
 };
 use nastic_ensemble::EnsemblePoint;
-use nastic_fem::{FreeMotion, PointPeak, SolveOptions, State, StateError};
+use nastic_fem::{FreeMotion, Instant, PointPeak, SolveOptions, State, StateError};
 use nastic_language::number::{count, quantity, short};
 use nastic_language::quantity::Dimension;
 use nastic_language::schema::{Actuation, Block};
@@ -109,7 +109,7 @@ impl Inspection {
         count: impl FnOnce() -> Result<(usize, Option<bool>), Uncounted> + Send,
     ) -> Self {
         let mesh = member.mesh();
-        let positions = positions(mesh.points(), &state.u, mesh.dim());
+        let positions = positions(mesh.points(), &member.solid().model().displacement(&state.u), mesh.dim());
         let intersect =
             || Shape::new(mesh, &positions, None).map(|shape| shape.self_intersection()).unwrap_or_default();
         let distort = || distorted(mesh, &positions);
@@ -207,7 +207,7 @@ fn positions(points: &[[f64; 3]], u: &[f64], dim: usize) -> Vec<[f64; 3]> {
 /// A displacement that no law was measured for.
 fn far(member: CaseMember<'_>, state: &State) -> Option<String> {
     let mesh = member.mesh();
-    let u = member.solid().model().nodal(&state.u);
+    let u = &*member.solid().model().displacement(&state.u);
     // a body that flies deforms no more for it
     let carried = if state.velocity.is_some() { mean(u, mesh.dim()) } else { vec![0.0; mesh.dim()] };
     let farthest = u.chunks_exact(mesh.dim()).map(|u| norm(&sub(u, &carried))).fold(0.0, f64::max);
@@ -278,14 +278,15 @@ fn mean(u: &[f64], dim: usize) -> Vec<f64> {
 
 /// Actuations beyond what their material bears at a point, in words.
 fn breakdowns(member: CaseMember<'_>, state: &State) -> Vec<String> {
-    let Ok(peaks) = member.solid().body().point_peaks(&state.u, &state.controls) else { return Vec::new() };
+    let Ok(peaks) = member.solid().model().point_peaks(&Instant::of(state)) else { return Vec::new() };
     let units = member.problem().units();
     let shown = |peak: PointPeak| {
         let (share, limit) = peak.share.filter(|_| peak.beyond > 0)?;
         let limit = quantity(limit, Dimension::ELECTRIC_FIELD, units);
         let (name, cells) = (peak.actuation, peak.beyond);
+        let [x, y, z] = member.mesh().cell_centre(peak.cell as usize).map(short);
         Some(format!(
-            "{name}: the true field reaches {} times the breakdown strength {limit}, in {cells} cells beyond it",
+            "{name}: the true field reaches {} times the breakdown strength {limit}, in {cells} cells beyond it, most in the one at ({x}, {y}, {z})",
             short(share)
         ))
     };

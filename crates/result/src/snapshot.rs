@@ -3,6 +3,7 @@
 use crate::controls;
 use crate::files::Beside;
 use crate::inspection::Inspection;
+use nastic_case::electric;
 use nastic_case::lower::obstacle_shape;
 use nastic_case::lower::result_array::TARGET_DISTANCE;
 use nastic_case::lower::{CaseMember, ControlField, TargetShape};
@@ -18,7 +19,14 @@ use rayon::prelude::*;
 pub fn snapshot(member: CaseMember<'_>, fields: &StateFields<'_>) -> Result<Snapshot, ControlError> {
     let names: Vec<&str> = member.fields().map(|(_, field)| field.array.as_str()).collect();
     let shot = member.reduced().snapshot_of(&StateFields { names: &names, ..*fields })?;
-    Ok(Snapshot { obstacles: obstacle_shape::moved(member, fields.state), ..shot })
+    let mut shot = Snapshot { obstacles: obstacle_shape::moved(member, fields.state), ..shot };
+    for array in &mut shot.point_data {
+        let factor = electric::factor(member, &array.name);
+        if factor != 1.0 {
+            array.values.iter_mut().for_each(|value| *value *= factor);
+        }
+    }
+    Ok(shot)
 }
 
 /// What its states have beside the body.

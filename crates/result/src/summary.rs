@@ -1,6 +1,7 @@
 //! What a state says of itself: costs, distances, deformation, forces, work.
 
 use crate::member_report::MemberReport;
+use nastic_case::electric;
 use nastic_case::lower::{CaseMember, LocatedProbe};
 use nastic_control::{ControlError, CostPoint, DistanceInTime, FigureKind};
 use nastic_fem::{Demand, Inadmissible, Instant, SolveReport, State, StoredEnergy};
@@ -81,7 +82,7 @@ pub(crate) fn add_distances(
 fn probes(member: CaseMember<'_>, state: &State) -> ByName<ProbesRecord> {
     let dim = member.mesh().dim();
     let of = |probe: &LocatedProbe| {
-        let u = probe.displacement(&state.u, dim);
+        let u = probe.displacement(&member.solid().model().displacement(&state.u), dim);
         (probe.name.clone(), ProbesRecord::One(moved(probe, u)))
     };
     member.problem().probes.iter().map(of).collect()
@@ -135,7 +136,7 @@ pub fn energy(stored: StoredEnergy) -> StoredEnergyRecord {
 /// A state that a contribution does not admit.
 pub fn contributions(member: CaseMember<'_>, state: &State) -> Result<ByName<ContributionRecord>, Inadmissible> {
     let mut out = ByName::<Numbers>::default();
-    for (name, quantity, value) in member.solid().model().quantities(&Instant::of(state))? {
+    for (name, quantity, value) in electric::quantities(member, &Instant::of(state))? {
         out.entry(name).or_default().insert(quantity.to_owned(), value.into());
     }
     Ok(out.into_iter().map(|(name, numbers)| (name, numbers.into())).collect())

@@ -58,6 +58,7 @@ mod obstacle_grid;
 mod others_files;
 mod output_directory;
 mod parameters;
+mod potential;
 mod ramp_table;
 mod readable_units;
 mod result_files;

@@ -73,6 +73,11 @@ pub trait Contribution: Debug + Send + Sync {
         None
     }
 
+    /// What unknowns of its [fields](Self::fields) are multiplied by to be in their physical unit: it makes entries of the tangent alike in size.
+    fn field_unit(&self) -> f64 {
+        1.0
+    }
+
     /// Unknowns of its fields of which it reports what all others put there, if there are some.
     fn gathers(&self) -> Option<&dyn Gathers> {
         None

@@ -23,7 +23,7 @@ pub fn flight(member: CaseMember<'_>, states: &[State], touches: &[(String, Touc
     let far = (0..count).filter(|part| !carried[*part]).find_map(|part| {
         let nodes: Vec<usize> = (0..part_of.len()).filter(|node| part_of[*node] as usize == part).collect();
         let moved = |state: &State| {
-            let u = solid.model().nodal(&state.u);
+            let u = solid.model().displacement(&state.u);
             let mean = |i: usize| nodes.iter().map(|node| u[mesh.dim() * node + i]).sum::<f64>() / nodes.len() as f64;
             norm(&(0..mesh.dim()).map(mean).collect::<Vec<f64>>())
         };

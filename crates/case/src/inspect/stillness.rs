@@ -12,7 +12,7 @@ const SEEN: f64 = 1e-5;
 /// Warns of states in which something acts and no point moves visibly; a body at rest is no such one, nor a rigid body that already lies where it comes to.
 pub fn stillness<'s>(member: CaseMember<'_>, states: impl IntoIterator<Item = &'s State>) -> Option<Warning> {
     let (mesh, model) = (member.mesh(), member.solid().model());
-    let farthest = |state: &State| model.nodal(&state.u).chunks_exact(mesh.dim()).map(norm).fold(0.0, f64::max);
+    let farthest = |state: &State| model.displacement(&state.u).chunks_exact(mesh.dim()).map(norm).fold(0.0, f64::max);
     let farthest = states.into_iter().map(farthest).fold(0.0, f64::max);
     let share = farthest / mesh.diagonal();
     let unit = member.problem().units().length().symbol;

@@ -12,7 +12,8 @@ use crate::warning::{CONVEXITY, UNBALANCED_TURGOR, UNBOUNDED_ENERGY};
 use nastic_control::{ControlError, Reduced};
 use nastic_energy::catalogue::{ActuationRow, Parameter};
 use nastic_energy::{Dielectric, EnergyTerm, MaterialPoint, Turgor};
-use nastic_fem::{AttachedLaw, FreeShape, Solid};
+use nastic_fem::catalogue::FormValues;
+use nastic_fem::{AttachedLaw, DielectricBody, FreeShape, Solid};
 use nastic_language::expression::{EvaluationError, Formula, dimension_of};
 use nastic_language::quantity::Dimension;
 use nastic_language::schema::{
@@ -31,6 +32,11 @@ pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
                 if actuation.kind() == FreeShape::KIND {
                     shape::keep_loaded(case, &mut values);
                 }
+                if actuation.kind() == DielectricBody::KIND {
+                    values.numbers.entry(EPS0).or_insert(context.units.permittivity());
+                    check_permittivity(actuation, &values, context);
+                    warn_of_field(&actuation.at, context);
+                }
                 if form.one_of {
                     let Some(slot) = driver(case, actuation, context) else { continue };
                     values.slot = slot;
@@ -39,6 +45,25 @@ pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
             }
         }
     }
+    if context.is_sound() {
+        attempt(solid, &At::root().key("electrodes"), context, Solid::close_potential);
+    }
+}
+
+/// No matter has less than the vacuum.
+fn check_permittivity(actuation: &Actuation, values: &FormValues, context: &mut Context<'_>) {
+    const RELATIVE: &str = "relative_permittivity";
+    if let Some(below) = values.numbers.get(RELATIVE).filter(|relative| **relative < 1.0) {
+        let message = format!("it is {below}, below 1, that of the vacuum: a rubber has 2 to 10");
+        context.complain(&actuation.at.key(RELATIVE), message);
+    }
+}
+
+/// An energy that falls without bound as J -> 0.
+fn warn_of_field(at: &At, context: &mut Context<'_>) {
+    let message = "the energy of a dielectric is not polyconvex and has no lower bound as J -> 0: no theorem gives a minimiser, \
+                   and an equilibrium is a local minimum at best, up to the field of pull-in";
+    context.warn(&UNBOUNDED_ENERGY, at, message.to_owned());
 }
 
 /// The slot that drives an actuation of which one does; none where nothing says so, and no answer after a complaint.
@@ -79,9 +104,7 @@ fn add_law(case: &Case, actuation: &Actuation, solid: &mut Solid, context: &mut 
         warn_of_growth(actuation, &cells, solid, context);
     }
     if row.name == Dielectric::NAME {
-        let message = "the energy of a dielectric is not polyconvex and has no lower bound as J -> 0: no theorem gives a minimiser, \
-                       and an equilibrium is a local minimum at best, up to the field of pull-in";
-        context.warn(&UNBOUNDED_ENERGY, &actuation.at, message.to_owned());
+        warn_of_field(&actuation.at, context);
     }
 }
 

@@ -9,7 +9,7 @@ use nastic_language::syntax::{At, Document, Node, Value};
 use nastic_mesh::Mesh;
 
 /// Blocks whose entries name groups of the mesh.
-const BLOCKS: [&str; 6] = ["materials", "supports", "contact", "loads", "actuation", "costs"];
+const BLOCKS: [&str; 7] = ["materials", "supports", "contact", "loads", "actuation", "electrodes", "costs"];
 
 /// Looks at everything that can be read of a case with mistakes of form; what is found joins the context's problems.
 pub(super) fn look(case: &Case, document: &Document, context: &mut Context<'_>) {

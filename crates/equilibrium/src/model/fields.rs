@@ -44,7 +44,9 @@ impl Model {
     /// [`FemError::Meaningless`]: no such field.
     pub fn field(&self, name: &str, u: &[f64]) -> Result<Vec<f64>, FemError> {
         let (first, field) = nodal_field(&self.space, name)?;
-        Ok(self.space.components(u, first, field.components))
+        let (mut values, unit) = (self.space.components(u, first, field.components), self.unit_of(name));
+        values.iter_mut().for_each(|value| *value *= unit);
+        Ok(values)
     }
 
     /// Holds a component of a nodal field at a value on nodes.
@@ -64,13 +66,20 @@ impl Model {
             let what = format!("field \"{field}\" has no component {component}; it has {}", known.components);
             return Err(FemError::Meaningless { what });
         }
+        let unit = self.unit_of(field);
         Arc::make_mut(&mut self.supports).hold(
             support,
             nodes,
             first + component,
             &format!("{component} of \"{field}\""),
-            value,
+            value / unit,
         )
+    }
+
+    /// What unknowns of a field are multiplied by to be in its unit: see [`Contribution::field_unit`].
+    pub fn unit_of(&self, field: &str) -> f64 {
+        let owns = |c: &&Arc<dyn Contribution>| c.fields().iter().any(|own| own.name == field);
+        self.others.iter().find(owns).map_or(1.0, |own| own.field_unit())
     }
 
     /// Holds the fields beyond the displacement at zero at nodes where no contribution determines them.
@@ -86,7 +95,8 @@ impl Model {
             nodes.iter().flatten().for_each(|node| idle[*node as usize] = false);
             let idle: Vec<u32> = (0..self.space.nodes() as u32).filter(|node| idle[*node as usize]).collect();
             let name = format!("where there is no {}", field.name);
-            (0..field.components).try_for_each(|c| self.prescribe(&field.name, c, &name, &idle, 0.0))?;
+            let components = if idle.is_empty() { 0 } else { field.components };
+            (0..components).try_for_each(|c| self.prescribe(&field.name, c, &name, &idle, 0.0))?;
         }
         Ok(())
     }

@@ -4,6 +4,7 @@ use super::Solid;
 use nastic_body::contribution::Contribution;
 use nastic_body::error::FemError;
 use nastic_body::instant::Instant;
+use nastic_energy::MaterialPoint;
 use nastic_forces::dielectric_body::DielectricBody;
 use nastic_forces::electrode::{Electrode, ElectrodePlace, unconnected};
 use std::collections::BTreeSet;
@@ -23,7 +24,8 @@ impl Solid {
     /// # Errors
     /// As [`DielectricBody::on`]; a name that is taken.
     pub fn dielectric_body(self, body: &DielectricBody) -> Result<Self, FemError> {
-        let contribution = body.on(self.whole_mesh("a dielectric body")?)?;
+        let unit = self.potential_unit(body)?;
+        let contribution = body.clone().in_units_of(unit).on(self.whole_mesh("a dielectric body")?)?;
         self.contribution(contribution)
     }
 
@@ -48,7 +50,8 @@ impl Solid {
                 return Err(FemError::Meaningless { what });
             }
         }
-        let contribution = electrode.of(self.mesh(), nodes)?;
+        let unit = self.model.unit_of(DielectricBody::POTENTIAL);
+        let contribution = electrode.clone().in_units_of(unit).of(self.mesh(), nodes)?;
         self.contribution(contribution)
     }
 
@@ -80,6 +83,18 @@ impl Solid {
         }
         self.model.hold_idle_fields()?;
         Ok(self)
+    }
+
+    /// That of the potential so far; for the first body the power of two nearest to `(mu/eps)^(1/2)`, mu the shear modulus at rest where it begins.
+    fn potential_unit(&self, body: &DielectricBody) -> Result<f64, FemError> {
+        if self.model.unknowns().nodal_field(DielectricBody::POTENTIAL).is_some() {
+            return Ok(self.model.unit_of(DielectricBody::POTENTIAL));
+        }
+        let first = self.mesh().cells_of(body.region())?.first().copied().unwrap_or_default() as usize;
+        let at = MaterialPoint { cell: first, point: self.discretization().points_of_cells()[first].0 };
+        let shear = self.body().materials_of(first).find_map(|law| Some(law.moduli(at)?.mu_t));
+        let exponent: f64 = shear.map_or(0.0, |shear| (0.5 * (shear / body.permittivity()).log2()).round());
+        Ok(if exponent.is_finite() { exponent.exp2() } else { 1.0 })
     }
 
     /// A node of a dielectric that neither cells nor an electrode connect with a voltage.

@@ -49,6 +49,8 @@ impl Dimension {
     pub const CURRENT: Self = Self::of(-1, 1, 0, -1);
     /// V = W/A = T m^2/s
     pub const VOLTAGE: Self = Self::of(2, 0, -1, 1);
+    /// C = A s
+    pub const CHARGE: Self = Self::of(-1, 1, 1, -1);
     /// F = A s/V
     pub const CAPACITANCE: Self = Self::of(-3, 1, 2, -2);
     /// V/m
@@ -173,6 +175,7 @@ impl fmt::Display for Dimension {
             (Self::of(-1, 0, 0, 0), "a curvature (1 over a length)"),
             (Self::PERMEABILITY, "a magnetic permeability"),
             (Self::VOLTAGE, "an electric voltage"),
+            (Self::CHARGE, "an electric charge"),
             (Self::CAPACITANCE, "an electric capacitance"),
             (Self::ELECTRIC_FIELD, "an electric field"),
             (Self::PERMITTIVITY, "an electric permittivity"),

@@ -76,6 +76,19 @@ const NAME: &str = "Name, by which controls refer to it.";
 const REGION: &str = "Region of the mesh.";
 
 impl Actuation {
+    /// A contribution that stands in a block of its own.
+    pub(crate) fn read_contribution(
+        kind: &'static str,
+        form: &'static Form,
+        node: &Node,
+        at: &At,
+        reader: &mut Reader<'_>,
+    ) -> Option<Self> {
+        let name: Option<String> = reader.key(node, at, "name", NAME, Want::ANY, None);
+        let read = read_contribution(kind, form, node, at, reader);
+        Head { at, name: name?, keys: &["name"] }.finish(read, node, reader)
+    }
+
     /// The kind, as case files name it.
     #[must_use]
     pub fn kind(&self) -> &'static str {
@@ -98,6 +111,11 @@ impl Actuation {
     #[must_use]
     pub fn design(&self) -> &[Design] {
         if let Means::Law { design, .. } = &self.means { design } else { &[] }
+    }
+
+    /// Whether a flag of it is set.
+    pub(crate) fn has_flag(&self, key: &str) -> bool {
+        matches!(&self.means, Means::Contribution { values, .. } if values.flags.contains(key))
     }
 
     /// Whether it acts where nothing drives it.
@@ -187,17 +205,8 @@ impl Read for Actuation {
                 read_contribution(kind, form, node, at, reader)
             }
         };
-        let members = reader.members(node, at)?;
-        let known: Vec<&str> = ["name", "kind"].into_iter().chain(known).chain(slots.iter().map(|s| s.key)).collect();
-        reader.refuse_unknown(members, at, &known);
-        let mut fixed = BTreeMap::new();
-        for slot in slots {
-            let member = members.iter().find(|member| member.key == slot.key);
-            if let Some(value) = member.and_then(|m| read_fixed(&slot, &m.node, &at.key(slot.key), reader)) {
-                fixed.insert(slot.key, value);
-            }
-        }
-        Some(Self { at: at.clone(), name: name?, means: means?, fixed })
+        let head = Head { at, name: name?, keys: &["name", "kind"] };
+        head.finish((means, slots, known), node, reader)
     }
 
     fn schema(_: Want, definitions: &mut Definitions) -> Json {
@@ -217,6 +226,31 @@ impl Read for Actuation {
             }
             json!({ "description": "What moves the body.", "oneOf": options })
         })
+    }
+}
+
+/// What an entry begins with.
+struct Head<'a> {
+    at: &'a At,
+    name: String,
+    keys: &'a [&'static str],
+}
+
+impl Head<'_> {
+    /// The entry with the fixed values of its slots.
+    fn finish(self, (means, slots, known): ActuationKeys, node: &Node, reader: &mut Reader<'_>) -> Option<Actuation> {
+        let Head { at, name, keys } = self;
+        let members = reader.members(node, at)?;
+        let known: Vec<&str> = keys.iter().copied().chain(known).chain(slots.iter().map(|s| s.key)).collect();
+        reader.refuse_unknown(members, at, &known);
+        let mut fixed = BTreeMap::new();
+        for slot in slots {
+            let member = members.iter().find(|member| member.key == slot.key);
+            if let Some(value) = member.and_then(|m| read_fixed(&slot, &m.node, &at.key(slot.key), reader)) {
+                fixed.insert(slot.key, value);
+            }
+        }
+        Some(Actuation { at: at.clone(), name, means: means?, fixed })
     }
 }
 
@@ -286,9 +320,17 @@ fn common_keys(kind: &str, slots: &[SlotName], definitions: &mut Definitions) ->
 }
 
 fn contribution_schema(kind: &str, form: &'static Form, definitions: &mut Definitions) -> Json {
-    let mut keys = common_keys(kind, &slot_names(form.slots), definitions);
-    keys.extend(form.keys.iter().map(|key| key_schema(key, definitions)));
+    let mut keys = contribution_keys(form, definitions);
+    keys.insert(1, Key::as_is("kind", true, json!({ "const": kind })));
     row_schema(form.about, keys)
+}
+
+/// The keys of a contribution but for its kind.
+pub(crate) fn contribution_keys(form: &'static Form, definitions: &mut Definitions) -> Vec<Key> {
+    let mut keys = vec![Key::new::<String>("name", NAME, Want::ANY, None, definitions)];
+    keys.extend(slot_names(form.slots).iter().map(|slot| slot_schema(slot, definitions)));
+    keys.extend(form.keys.iter().map(|key| key_schema(key, definitions)));
+    keys
 }
 
 fn read_fixed(slot: &SlotName, node: &Node, at: &At, reader: &mut Reader<'_>) -> Option<Fixed> {

@@ -19,7 +19,8 @@ const SHAPE: &str = "a shape of the body that is an unknown is an actuation of t
     the control { \"of\": \"NAME.thickness\", \"space\": \"uniform\" } is its amplitude; \
     of the \"kind\": \"free_shape\" with a \"surface\" and a \"filter\" the nodes of that surface are";
 const ELECTRIC: &str = "a dielectric elastomer is an actuation of the \"kind\": \"dielectric\" with a \"region\", a \
-    \"relative_permittivity\" and the \"direction\" across the film; its \"field\" is the voltage over the thickness, \"3 kV / 100 um\"";
+    \"relative_permittivity\" and the \"direction\" across the film; its \"field\" is the voltage over the thickness, \"3 kV / 100 um\"; with the potential as an unknown it is of the \"kind\": \
+    \"dielectric_body\", with \"electrodes\"";
 
 /// What people try in their place.
 pub(super) const HINTS: &[Hint] = &[
@@ -44,7 +45,7 @@ pub(super) const HINTS: &[Hint] = &[
 ];
 
 /// What kinds of actuation add to the energy; `EPS0` stands for the permittivity of vacuum in the case's units.
-pub const CONVENTIONS: [(&str, &str); 6] = [
+pub const CONVENTIONS: [(&str, &str); 7] = [
     (
         "fiber_tension",
         "fibre tension m adds -(m/2)|F a|^2 to the energy: m < 0 contracts the fibre, m > 0 lengthens it",
@@ -54,6 +55,10 @@ pub const CONVENTIONS: [(&str, &str); 6] = [
     (
         "dielectric",
         "dielectric E adds -(eps/2) J |F^-T E e|^2 to the energy, E the voltage over the film's reference thickness; eps0 = EPS0 in these units unless given",
+    ),
+    (
+        "dielectric_body",
+        "dielectric_body adds -(eps/2) J |F^-T grad phi|^2 to the energy, phi the potential of the electrodes, an unknown; eps0 = EPS0 in these units unless given",
     ),
     ("cavity", "cavity p adds -p V to the energy, V its volume: p > 0 inflates"),
     (

@@ -16,6 +16,7 @@ use crate::schema::contact::Contact;
 use crate::schema::control::Control;
 use crate::schema::cost::Cost;
 use crate::schema::design::{Design, DesignKind};
+use crate::schema::electrode::Electrode;
 use crate::schema::expectation::Expectation;
 use crate::schema::gains::Gains;
 use crate::schema::hints::Hint;
@@ -35,8 +36,8 @@ use crate::syntax::{At, Diagnostic, Diagnostics, Document, Node, Property, Value
 use std::collections::BTreeMap;
 
 /// Blocks a variant of the case may change; everything else is shared.
-pub(crate) const CHANGEABLE: [&str; 9] =
-    ["materials", "supports", "springs", "media", "obstacles", "contact", "loads", "actuation", "costs"];
+pub(crate) const CHANGEABLE: [&str; 10] =
+    ["materials", "supports", "springs", "media", "obstacles", "contact", "loads", "actuation", "electrodes", "costs"];
 
 /// What people try in the place of the blocks that add a contribution each.
 pub(crate) const HINTS: &[&[Hint]] = &[spring::HINTS, medium::HINTS, actuation_words::HINTS];
@@ -72,6 +73,8 @@ object! {
         pub loads: Vec<Load> = Vec::new(),
         /// What moves the body from within.
         pub actuation: Vec<Actuation> = Vec::new(),
+        /// Nodes with one electric potential; read, they stand among the actuations.
+        pub electrodes: Vec<Electrode> = Vec::new(),
         /// What the optimiser may change.
         pub controls: Vec<Control> = Vec::new(),
         /// What the optimiser makes small: the sum.
@@ -213,6 +216,7 @@ impl Case {
         let mut case = <Self as Read>::read(reader.document.root(), &At::root(), Want::ANY, reader)?;
         let touches = !case.contact.is_empty();
         case.time.iter_mut().for_each(|time| time.choose_scheme(touches));
+        case.gather_electrodes();
         Some(case)
     }
 
@@ -235,7 +239,15 @@ impl Case {
         stand_in(block::<MeshSource>(reader, "mesh").is_some(), "mesh", Value::Text("none".to_owned()));
         stand_in(block::<Vec<Material>>(reader, "materials").is_some(), "materials", Value::Array(vec![]));
         let root = Node { value: Value::Object(members), place: place.clone() };
-        <Self as Read>::read(&root, &At::root(), Want::ANY, &mut Reader::new(reader.document, reader.units))
+        let mut case =
+            <Self as Read>::read(&root, &At::root(), Want::ANY, &mut Reader::new(reader.document, reader.units))?;
+        case.gather_electrodes();
+        Some(case)
+    }
+
+    /// Electrodes stand behind the actuations: names, controls, fixed values and descriptions are alike.
+    fn gather_electrodes(&mut self) {
+        self.actuation.extend(self.electrodes.drain(..).map(|electrode| electrode.0));
     }
 }
 

@@ -68,6 +68,8 @@ pub enum ContributionKind {
     Tendon,
     /// A spring.
     Spring,
+    /// An electrode.
+    Electrode,
 }
 
 /// What results, pages and pictures have of a kind.
@@ -113,6 +115,9 @@ const OF_TENDON: [Column; 4] = [
 ];
 const OF_SPRING: [Column; 3] =
     [("force", "force", "F"), ("length", "length", "L"), ("rest length", "rest_length", "L")];
+/// In SI units.
+const OF_ELECTRODE: [Column; 3] =
+    [("voltage", "voltage", "V"), ("charge", "charge", "C"), ("capacitance", "capacitance", "C/V")];
 /// What draws lines that have a tension.
 pub const TENSED_LINES: &str = "tendons";
 /// What draws lines that have none.
@@ -122,8 +127,16 @@ const SLACK: &str = "slack";
 
 impl ContributionKind {
     /// All of them.
-    pub(crate) const ALL: [Self; 7] =
-        [Self::Support, Self::Contact, Self::RigidBody, Self::Cavity, Self::Other, Self::Tendon, Self::Spring];
+    pub(crate) const ALL: [Self; 8] = [
+        Self::Support,
+        Self::Contact,
+        Self::RigidBody,
+        Self::Cavity,
+        Self::Other,
+        Self::Tendon,
+        Self::Spring,
+        Self::Electrode,
+    ];
 
     /// Its row.
     pub(crate) fn row(self) -> KindRow {
@@ -136,6 +149,7 @@ impl ContributionKind {
             Self::Other => ("contribution", "", "swept_volume", &[("", "", ""), ("", "", "")]),
             Self::Tendon => ("tendon", "tendons", "tension", &OF_TENDON),
             Self::Spring => ("spring", "springs", "rest_length", &OF_SPRING),
+            Self::Electrode => ("electrode", "electrodes", "charge", &OF_ELECTRODE),
         };
         KindRow { head, several, mark, columns }
     }
@@ -223,7 +237,7 @@ mod tests {
 
     #[test]
     fn numbers_tell_the_kind_and_stay_as_they_are() {
-        use ContributionKind::{Cavity, Contact, Other, RigidBody, Spring, Support, Tendon};
+        use ContributionKind::{Cavity, Contact, Electrode, Other, RigidBody, Spring, Support, Tendon};
         for (kind, text) in [
             (Support, r#"{"force_x":1.0,"force_y":null}"#),
             (Contact, r#"{"force_x":1.0,"pressing":2.0,"area":3.0}"#),
@@ -233,6 +247,7 @@ mod tests {
             (Other, r#"{"mass":1.0}"#),
             (Tendon, r#"{"tension":1.0,"length":2.0,"slack":0.0}"#),
             (Spring, r#"{"force":1.0,"length":2.0,"rest_length":1.5}"#),
+            (Electrode, r#"{"voltage":1.0,"charge":2.0,"capacitance":2.0}"#),
         ] {
             let record: Result<ContributionRecord, _> = serde_json::from_str(text);
             let found = record.ok().map(|own| (own.kind, own.volumes(), serde_json::to_string(&own).ok()));

@@ -139,7 +139,8 @@ fn look(member: CaseMember<'_>, at: &Evaluated, groups: &[&ConstraintReport]) ->
 fn position(member: CaseMember<'_>, node: u32, state: &State) -> Option<[f64; 3]> {
     let dim = member.solid().discretization().dim();
     let mut x = *member.mesh().points().get(node as usize)?;
-    x.iter_mut().zip(state.u.iter().skip(node as usize * dim).take(dim)).for_each(|(x, u)| *x += u);
+    let u = member.solid().model().displacement(&state.u);
+    x.iter_mut().zip(u.iter().skip(node as usize * dim).take(dim)).for_each(|(x, u)| *x += u);
     Some(x)
 }
 

@@ -54,8 +54,8 @@ impl Column {
 /// The values of [`Column::of_probes`].
 pub(crate) fn probe_values(member: CaseMember<'_>, state: &State) -> Vec<f64> {
     let dim = member.mesh().dim();
-    let probes = member.problem().probes.iter();
-    probes.flat_map(|probe| probe.displacement(&state.u, dim)[..dim].to_vec()).collect()
+    let (probes, u) = (member.problem().probes.iter(), member.solid().model().displacement(&state.u));
+    probes.flat_map(|probe| probe.displacement(&u, dim)[..dim].to_vec()).collect()
 }
 
 /// The values of [`Column::of_reactions`].

@@ -2,6 +2,7 @@
 
 use crate::run::error::RunError;
 use crate::run::state_columns::{AXES, BALANCE, Column, ENERGY, csv, probe_values, reaction_values};
+use nastic_case::electric;
 use nastic_case::lower::CaseMember;
 use nastic_control::{ControlBlock, ControlError};
 use nastic_fem::{EnergyBalance, Instant, State, TimeStep, Touch};
@@ -208,7 +209,7 @@ fn is_uniform(block: &ControlBlock) -> bool {
 
 /// What contributions report of a state; of contacts, whose friction depends on velocities, in the step that led there.
 fn quantities(member: CaseMember<'_>, before: Option<&State>, state: &State) -> Vec<(String, &'static str, f64)> {
-    let mut all = member.solid().model().quantities(&Instant::of(state)).unwrap_or_default();
+    let mut all = electric::quantities(member, &Instant::of(state)).unwrap_or_default();
     for (name, touch) in touches(member, before, state) {
         let own = touch.quantities(member.mesh().dim());
         let of_contact = all.iter_mut().filter(|(of, ..)| *of == name);

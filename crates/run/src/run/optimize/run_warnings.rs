@@ -184,8 +184,8 @@ pub(super) fn verify(context: CommandContext<'_>, run: &FinishedRun) -> Result<O
     let apart = |k: usize, b: &Evaluated| {
         let model = input.problem.member(k).solid().model();
         let Some(a) = best.point.member(k) else { return f64::NAN };
-        let (a, b) = (model.nodal(&a.state().u), model.nodal(&b.state().u));
-        norm(&sub(a, b)) / norm(a).max(f64::MIN_POSITIVE)
+        let (a, b) = (model.displacement(&a.state().u), model.displacement(&b.state().u));
+        norm(&sub(&a, &b)) / norm(&a).max(f64::MIN_POSITIVE)
     };
     let apart = ensemble.gathered(&again, apart).map_err(|error| destination.forward_failed(input, error))?;
     let most = apart.into_iter().fold(0.0, f64::max);

@@ -67,7 +67,8 @@ fn say(
     let member = whole.0;
     let (units, dim) = (member.problem().units(), member.mesh().dim());
     let length = |value: f64| quantity(value, Dimension::LENGTH, units);
-    let [of_whole, of_half] = [whole, half].map(|(member, at)| member.solid().model().nodal(&at.state().u).to_vec());
+    let [of_whole, of_half] =
+        [whole, half].map(|(member, at)| member.solid().model().displacement(&at.state().u).into_owned());
     let largest = |values: &mut dyn Iterator<Item = f64>| values.map(f64::abs).fold(0.0, f64::max);
     let change = largest(&mut of_half.iter().zip(&of_whole).map(|(a, b)| a - b));
     let displacement = largest(&mut of_half.iter().copied());

@@ -2,6 +2,7 @@
 
 use crate::run::error::RunError;
 use crate::run::state_columns::{BALANCE, Column, csv, probe_values, reaction_values};
+use nastic_case::electric;
 use nastic_case::lower::CaseMember;
 use nastic_case::warning::Warning;
 use nastic_control::{ControlError, StateFields};
@@ -118,7 +119,7 @@ impl<'p> Series<'p> {
 
     fn quantities(&self, state: &State) -> Vec<(String, &'static str, f64)> {
         let at = Instant::of(state);
-        self.member.solid().model().quantities(&at).unwrap_or_default()
+        electric::quantities(self.member, &at).unwrap_or_default()
     }
 
     /// The head of the table.
@@ -227,7 +228,9 @@ impl<'p> Series<'p> {
     fn value(&self, state: &State, drawn: &Drawn) -> f64 {
         match drawn.column {
             Some(column) => self.values(state)[column],
-            None => self.member.solid().model().nodal(&state.u).iter().fold(0.0, |most: f64, u| most.max(u.abs())),
+            None => {
+                self.member.solid().model().displacement(&state.u).iter().fold(0.0, |most: f64, u| most.max(u.abs()))
+            }
         }
     }
 
