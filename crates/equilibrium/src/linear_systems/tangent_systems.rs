@@ -17,10 +17,9 @@ use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 
 /// Of a solution that counts as exact: an adjoint, and the two systems of a second derivative, whose products shall be symmetric to 1e-10.
-/// The error of a derivative, and of `a . H b`, is relative to the product of the energy norms of both solutions. This product is hundreds of
-/// times larger than the derivative where an actuator strains the body and the cost depends on its bending, and a million times larger for the compliance of a nearly
-/// incompressible body, whose derivative had an error of 4e-4 with 1e-9. (Over the bodies, costs and actuations of crates/control/tests/hessian.rs,
-/// 1e-12 gives 2e-10, 1e-13 gives 2e-12, and 1e-14 is where double precision ends: 9e-13.)
+/// The error of a derivative, and of `a . H b`, is relative to the product of the energy norms of both solutions: hundreds of times the derivative where an actuator
+/// strains the body and the cost depends on its bending, a million times for the compliance of a nearly incompressible body (an error of 4e-4 with 1e-9). Over
+/// crates/control/tests/hessian.rs 1e-12 gives 2e-10, 1e-13 2e-12, and 1e-14 is where double precision ends: 9e-13.
 pub(crate) const EXACT: Accuracy = Accuracy { error: 1e-13, residual: 1e-11 };
 
 /// Relative residual of a system that nothing corrects afterwards.
@@ -39,8 +38,8 @@ const MAX_REUSE_RESIDUAL: f64 = 0.05;
 /// Largest error of these systems.
 const MAX_REUSE_ERROR: f64 = 1e-3;
 
-/// Accuracy of a full step with a bordered tangent from a relative residual towards one of `accuracy`, and whether a factor of the tangent before may
-/// be used: a tenth of the residual keeps convergence quadratic, and a thousandth of the final residual is always sufficient.
+/// Accuracy of a full step with a bordered tangent from a relative residual towards one of `accuracy`, and whether the factor before may be used: a tenth of the
+/// residual keeps convergence quadratic, and a thousandth of the final one is always sufficient.
 pub(crate) fn bordered_step(relative: f64, accuracy: f64) -> (Accuracy, bool) {
     if relative.is_nan() || relative > MAX_REUSE_RESIDUAL {
         return (FULL_STEP, false);
@@ -95,8 +94,7 @@ impl<'a> TangentSystems<'a> {
         TangentSystems { model, controls, parallel, solver, shift: Shift::default(), expected: None, left: None }
     }
 
-    /// The Newton step of a tangent at u whose supports are eliminated, to a relative residual of `tolerance`, and the
-    /// curvature of the tangent.
+    /// The Newton step of a tangent at u whose supports are eliminated, to a relative residual of `tolerance`, and the curvature of the tangent.
     pub fn step<'m>(
         &mut self,
         tangent: impl Into<TangentRef<'m>>,
@@ -220,8 +218,8 @@ impl<'a> TangentSystems<'a> {
         solution.map(|Solution { x, negative }| Solution { x: self.extended(x), negative })
     }
 
-    /// `K x = b` with a symmetric tangent by products of cells, whose moduli are rounded: corrected by the residual of K as the product `exact`,
-    /// which is zero on the supports, until the last correction shows that the error is below `accuracy.error` in the energy norm.
+    /// `K x = b` with a symmetric tangent by products of cells, whose moduli are rounded: corrected by the residual of K as the product `exact`, zero on the supports,
+    /// until the last correction shows that the error is below `accuracy.error` in the energy norm.
     ///
     /// # Errors
     /// [`LinearError::Singular`] where corrections do not shrink; [`LinearError::NoEntries`].
@@ -283,7 +281,6 @@ impl<'a> TangentSystems<'a> {
         // for multigrid, which shows at a coarser residual that a matrix is definite
         if self.model.unknowns().norm(&rest) > MAX_UNCORRECTED_RESIDUAL * self.model.unknowns().norm(b) {
             let correction = self.solution(EXACT, matrix.into(), u, &rest, Transposition::No, report)?;
-            // the factor of a fallback also solves indefinite systems
             if correction.negative.is_some_and(|negative| negative > 0) {
                 return Err(LinearError::Indefinite { quotient: None });
             }
@@ -324,9 +321,8 @@ impl<'a> TangentSystems<'a> {
         found.map(|found| (self.extended(found.x), found.y))
     }
 
-    /// The same, or with `K^T`, for several right-hand sides and a K that is [prepared](Self::prepare), and the number of negative eigenvalues of the
-    /// whole. K is counted by the factor that solves;
-    /// multigrid solves positive definite matrices alone.
+    /// The same, or with `K^T`, for several right-hand sides and a K that is [prepared](Self::prepare), and the number of negative eigenvalues of the whole. K is counted
+    /// by the factor that solves; multigrid solves positive definite matrices alone.
     pub fn eliminate_border(
         &mut self,
         (matrix, transposed): (&SparseMatrix, bool),
@@ -498,7 +494,7 @@ impl Configuration for Deformed<'_> {
     }
 
     fn volume_modes(&self) -> Option<&VolumeModes> {
-        let make = || self.model.volume_modes((&self.u, self.controls), self.expected, self.parallel);
-        self.volume_modes.get_or_init(make).as_ref()
+        let at = (&*self.u, self.controls);
+        self.volume_modes.get_or_init(|| self.model.volume_modes(at, self.expected, self.parallel)).as_ref()
     }
 }

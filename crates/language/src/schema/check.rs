@@ -3,12 +3,14 @@
 mod contact;
 mod controls;
 mod designs;
+mod electrodes;
 mod motion;
 mod variants;
 
 use crate::quantity::Want;
 use crate::schema::case::Case;
 use crate::schema::cost::Cost;
+use crate::schema::electrode::Electrode;
 use crate::schema::mesh::MeshSource;
 use crate::schema::read::{Read, Reader};
 use crate::schema::scenario::{Risk, Scenarios};
@@ -45,6 +47,7 @@ pub(crate) fn check(reader: &mut Reader<'_>) -> Option<Case> {
     check_names(&blocks, reader);
     contact::check(&blocks, reader);
     controls::check(&blocks, reader);
+    check_electrodes(&blocks, reader);
     check_designs(&blocks, reader);
     check_risk(&blocks, reader);
     motion::check(&blocks, reader);
@@ -63,6 +66,17 @@ impl Blocks {
         let within =
             |path: &str| path.strip_prefix(at.as_str()).is_some_and(|rest| rest.is_empty() || rest.starts_with('/'));
         !self.troubled.iter().any(|path| within(path))
+    }
+}
+
+fn check_electrodes(blocks: &Blocks, reader: &mut Reader<'_>) {
+    if ["controls", "load_cases", "scenarios"].iter().all(|block| blocks.complete(block)) {
+        let controls = blocks.controls.iter().chain(blocks.load_cases.iter().flat_map(|case| &case.controls));
+        let sound = blocks.actuation.iter().filter_map(Electrode::of).filter(|own| blocks.is_sound(&own.at));
+        electrodes::check_driven(sound, controls, reader);
+        if blocks.complete("actuation") {
+            electrodes::check_body(&blocks.actuation, reader);
+        }
     }
 }
 

@@ -9,13 +9,12 @@ use crate::schema::contact::{Contact, pose_slots};
 use crate::schema::control::{Bound, Control, Space, Start};
 use crate::schema::cost::Cost;
 use crate::schema::design::DesignKind;
-use crate::schema::electrode::Electrode;
 use crate::schema::field::{Parameter, check_unit};
 use crate::schema::material::Material;
 use crate::schema::optimizer::{MMA, Optimizer};
 use crate::schema::read::Reader;
 use crate::syntax::{At, nearest, quoted};
-use nastic_fem::{DielectricBody, FreeShape};
+use nastic_fem::FreeShape;
 use std::collections::BTreeMap;
 
 pub(super) fn check(blocks: &Blocks, reader: &mut Reader<'_>) {
@@ -31,44 +30,10 @@ pub(super) fn check(blocks: &Blocks, reader: &mut Reader<'_>) {
         let names = actuation.modes().into_iter().flat_map(BTreeMap::keys);
         names.for_each(|name| plain(name, &actuation.at.key("modes").key(name), &['.', '/'], reader));
     }
-    check_electrodes(blocks, reader);
     check_constraints(blocks, reader);
     check_method(blocks, reader);
     check_damping(blocks, reader);
     check_purpose(blocks, reader);
-}
-
-/// Something gives an electrode its voltage or charge, or it floats.
-fn check_electrodes(blocks: &Blocks, reader: &mut Reader<'_>) {
-    if !["controls", "load_cases", "scenarios"].iter().all(|block| blocks.complete(block)) {
-        return;
-    }
-    let controls = blocks.controls.iter().chain(blocks.load_cases.iter().flat_map(|case| &case.controls));
-    let controlled: Vec<&str> = controls.map(|control| control.of.as_str()).collect();
-    let electrodes = blocks.actuation.iter().filter_map(Electrode::of);
-    for electrode in electrodes.filter(|own| blocks.is_sound(&own.at)) {
-        let driver = electrode.slots().into_iter().find(|(name, _)| controlled.contains(&name.as_str()));
-        match (electrode.has_flag("floating"), driver) {
-            (true, Some((_, slot))) => {
-                let message = format!("it floats, and a control gives it a {}: keep one of them", slot.key);
-                reader.complain_at(&electrode.at.key("floating"), message);
-            }
-            (false, None) if electrode.fixed.is_empty() => {
-                let message = format!(
-                    "nothing drives \"{name}\": give a \"voltage\", 0 for a ground, a \"charge\", \"floating\": true, or a control {{ \"of\": \"{name}\", ... }}",
-                    name = electrode.name
-                );
-                reader.complain_at(&electrode.at, message);
-            }
-            _ => {}
-        }
-    }
-    let first = blocks.actuation.iter().find_map(Electrode::of);
-    let has_body = blocks.actuation.iter().any(|own| own.kind() == DielectricBody::KIND);
-    if let Some(first) = first.filter(|_| !has_body && blocks.complete("actuation")) {
-        let message = "electrodes are of a body with a potential: add an actuation of the \"kind\": \"dielectric_body\"; a film in a given field is of the kind \"dielectric\"";
-        reader.complain_at(&first.at, message);
-    }
 }
 
 /// Constraints on controls hold in every load case.
