@@ -48,12 +48,14 @@ fn problem(body: Solid, controls: &[(&str, f64)]) -> Outcome<(Reduced, Vec<f64>,
     Ok((problem, m, set))
 }
 
+type Body = fn() -> Outcome<Solid>;
+
 /// First and second derivatives, at once and by each voltage and charge alone.
 #[test]
 fn derivatives_by_voltages_and_charges() -> Outcome {
     let hexahedra = [("drive", 120.0), ("plate", 150.0), ("fibre", 3e3), ("cavity of a volume", 0.1), ("tendon", 2e3)];
     let tetrahedra = [("plate", 120.0), ("fibre", 3e3), ("tendon", 2e3)];
-    let all: [(fn() -> Outcome<Solid>, &[(&str, f64)]); 5] = [
+    let all: [(Body, &[(&str, f64)]); 5] = [
         (cup, &hexahedra),
         (cup, &hexahedra[..1]),
         (cup, &hexahedra[1..2]),
