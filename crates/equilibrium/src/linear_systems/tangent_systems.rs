@@ -106,7 +106,7 @@ impl<'a> TangentSystems<'a> {
     ) -> Result<(Vec<f64>, Curvature), LinearError> {
         let configuration = Deformed {
             expected: self.expected.as_deref(),
-            ..Deformed::new(self.model, (u, self.controls), self.parallel)
+            ..Deformed::new(self.model, u, self.controls, self.parallel)
         };
         let system = configuration.system(tangent.into());
         let mut work = LinearWork::default();
@@ -158,7 +158,7 @@ impl<'a> TangentSystems<'a> {
         report: &mut SolveReport,
     ) -> Result<Vec<f64>, LinearError> {
         self.left = None;
-        let configuration = Deformed::new(self.model, (u, self.controls), self.parallel);
+        let configuration = Deformed::new(self.model, u, self.controls, self.parallel);
         let mut work = LinearWork::default();
         let step = self.shift.step(self.solver, &configuration.system(tangent.into()), rhs, &mut work);
         report.add_linear(self.solver, &work);
@@ -210,7 +210,7 @@ impl<'a> TangentSystems<'a> {
         transposition: Transposition,
         report: &mut SolveReport,
     ) -> Result<Solution, LinearError> {
-        let configuration = Deformed::new(self.model, (u, self.controls), self.parallel);
+        let configuration = Deformed::new(self.model, u, self.controls, self.parallel);
         let system = System { transposed: transposition == Transposition::Yes, ..configuration.system(tangent) };
         let mut work = LinearWork::default();
         let solution = self.solver.solve(&system, b, accuracy, &mut work);
@@ -270,7 +270,7 @@ impl<'a> TangentSystems<'a> {
         b: &[f64],
         report: &mut SolveReport,
     ) -> Result<Vec<f64>, LinearError> {
-        let configuration = Deformed::new(self.model, (u, self.controls), self.parallel);
+        let configuration = Deformed::new(self.model, u, self.controls, self.parallel);
         let mut work = LinearWork::default();
         let solved = self.solver.solve_definite(&configuration.system(matrix.into()), b, Definite::Once, &mut work);
         report.add_linear(self.solver, &work);
@@ -296,7 +296,7 @@ impl<'a> TangentSystems<'a> {
         u: &[f64],
         report: &mut SolveReport,
     ) -> Result<(), LinearError> {
-        let configuration = Deformed::new(self.model, (u, self.controls), self.parallel);
+        let configuration = Deformed::new(self.model, u, self.controls, self.parallel);
         let mut work = LinearWork::default();
         let prepared = self.solver.prepare(&configuration.system(tangent.into()), &mut work);
         report.add_linear(self.solver, &work);
@@ -313,7 +313,7 @@ impl<'a> TangentSystems<'a> {
         rhs: (&[f64], &[f64]),
         report: &mut SolveReport,
     ) -> Result<(Vec<f64>, Vec<f64>), LinearError> {
-        let configuration = Deformed::new(self.model, (u, self.controls), self.parallel);
+        let configuration = Deformed::new(self.model, u, self.controls, self.parallel);
         let system = configuration.system(matrix.into());
         let mut work = LinearWork::default();
         let found = solve_bordered(self.solver, &system, border, rhs, FULL_STEP, &mut work);
@@ -332,7 +332,7 @@ impl<'a> TangentSystems<'a> {
         accuracy: Accuracy,
         report: &mut SolveReport,
     ) -> Result<Counted<BorderedSolution>, LinearError> {
-        let configuration = Deformed::new(self.model, (u, self.controls), self.parallel);
+        let configuration = Deformed::new(self.model, u, self.controls, self.parallel);
         let system = System { transposed, ..configuration.system(matrix.into()) };
         let scalars = border.columns.len();
         let mut work = LinearWork::default();
@@ -366,7 +366,7 @@ impl<'a> TangentSystems<'a> {
         border: &Border,
         report: &mut SolveReport,
     ) -> Result<Inertia, LinearError> {
-        let configuration = Deformed::new(self.model, (u, self.controls), self.parallel);
+        let configuration = Deformed::new(self.model, u, self.controls, self.parallel);
         let system = configuration.system(matrix.into());
         let Inertia { negative: of_matrix, by_factor } = inertia(self.solver, &system)?;
         let mut work = LinearWork::default();
@@ -388,7 +388,7 @@ impl<'a> TangentSystems<'a> {
         most: usize,
         report: &mut SolveReport,
     ) -> Option<Vec<f64>> {
-        let configuration = Deformed::new(self.model, (u, self.controls), self.parallel);
+        let configuration = Deformed::new(self.model, u, self.controls, self.parallel);
         let empty = self.model.matrix_without_values();
         let mut work = LinearWork::default();
         let x = self.solver.solve_by_products(
@@ -410,7 +410,7 @@ impl<'a> TangentSystems<'a> {
 
     /// Negative eigenvalues of a tangent whose supports are eliminated, and whether a factor shows them.
     pub fn inertia(&mut self, tangent: &Tangent, u: &[f64]) -> Result<Inertia, LinearError> {
-        let configuration = Deformed::new(self.model, (u, self.controls), self.parallel);
+        let configuration = Deformed::new(self.model, u, self.controls, self.parallel);
         inertia(self.solver, &configuration.system(tangent.into()))
     }
 }
@@ -444,7 +444,7 @@ pub(crate) struct Deformed<'a> {
 }
 
 impl<'a> Deformed<'a> {
-    pub fn new(model: &'a Model, (u, controls): (&'a [f64], &'a Controls), parallel: bool) -> Self {
+    pub fn new(model: &'a Model, u: &'a [f64], controls: &'a Controls, parallel: bool) -> Self {
         Deformed {
             model,
             u: model.displacement(u),
@@ -494,7 +494,7 @@ impl Configuration for Deformed<'_> {
     }
 
     fn volume_modes(&self) -> Option<&VolumeModes> {
-        let at = (&*self.u, self.controls);
-        self.volume_modes.get_or_init(|| self.model.volume_modes(at, self.expected, self.parallel)).as_ref()
+        let make = || self.model.volume_modes(&self.u, self.controls, self.expected, self.parallel);
+        self.volume_modes.get_or_init(make).as_ref()
     }
 }

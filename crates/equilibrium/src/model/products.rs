@@ -17,7 +17,8 @@ impl Model {
     /// displacements of nodes by themselves, all on one rank.
     pub(crate) fn volume_modes(
         &self,
-        (u, controls): (&[f64], &Controls),
+        u: &[f64],
+        controls: &Controls,
         expected: Option<&[f64]>,
         parallel: bool,
     ) -> Option<VolumeModes> {
@@ -51,8 +52,8 @@ impl Tangents<'_> {
     /// The same of a tangent that is assembled, as those of steps in time are. The pressures of nearly incompressible cells that become unknowns are counted at rest.
     pub fn assembled_multigrid_bytes(&self) -> usize {
         let structure = self.model.tangent_structure();
-        let rest = (&*vec![0.0; self.model.unknowns().nodal()], &self.model.body.controls());
-        let modes = self.model.volume_modes(rest, None, true);
+        let (rest, controls) = (vec![0.0; self.model.unknowns().nodal()], self.model.body.controls());
+        let modes = self.model.volume_modes(&rest, &controls, None, true);
         let beside =
             modes.map_or(0, |modes| modes.bytes() + MultigridSolver::bytes_of_modes(structure.pattern(), modes.len()));
         structure.multigrid_bytes() + beside

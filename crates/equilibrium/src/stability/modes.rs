@@ -65,7 +65,7 @@ impl Model {
         }
         // moduli of products are rounded
         let exact = |v: &[f64], out: &mut [f64]| self.product_or_nan(&at, v, out);
-        let configuration = Deformed::new(self, (at.u, at.controls), how.parallel);
+        let configuration = Deformed::new(self, at.u, at.controls, how.parallel);
         let system = configuration.system((&tangent).into());
         let product: &dyn Operator = if tangent.is_unassembled() { &exact } else { &system };
         // of one body; several free ones may need a factor for few modes

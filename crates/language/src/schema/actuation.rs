@@ -238,7 +238,8 @@ struct Head<'a> {
 
 impl Head<'_> {
     /// The entry with the fixed values of its slots.
-    fn finish(self, (means, slots, known): ActuationKeys, node: &Node, reader: &mut Reader<'_>) -> Option<Actuation> {
+    fn finish(self, keys: ActuationKeys, node: &Node, reader: &mut Reader<'_>) -> Option<Actuation> {
+        let (means, slots, known) = keys;
         let Head { at, name, keys } = self;
         let members = reader.members(node, at)?;
         let known: Vec<&str> = keys.iter().copied().chain(known).chain(slots.iter().map(|s| s.key)).collect();
