@@ -1,6 +1,7 @@
 //! [`Direct`]: a sparse factor, reused as preconditioner while it is effective.
 
 use super::factor_reuse::FactorReuse;
+use super::settled::settled;
 use super::{
     Accuracy, Curvature, Definite, Inertia, LinearError, LinearSolver, LinearWork, Solution, SolverState, Step, System,
 };
@@ -10,6 +11,7 @@ use crate::factor::structure::Structure;
 use crate::factor::symbolic::Symbolic;
 use crate::factor::symmetric::{Factor, Pivots, Precision};
 use crate::krylov::conjugate_gradients::{CgEnd, CgReport, StoppingTest, conjugate_gradient};
+use crate::krylov::gmres::gmres;
 use crate::krylov::refinement::refine;
 use crate::pattern::matrix::SparseMatrix;
 use crate::pattern::operator::Operator;
@@ -21,8 +23,8 @@ use std::sync::Arc;
 const MAX_STEP_RESIDUAL: f64 = 0.1;
 /// Iterations with a new factor in single precision, beyond which it is too inaccurate; otherwise two or three suffice.
 const MAX_FRESH_ITERATIONS: usize = 12;
-/// Relative error of a solution by rounding alone.
-const ROUNDING_ERROR: f64 = 1e-7;
+/// Iterations with a factor whose pivots have grown.
+const MAX_GROWN_ITERATIONS: usize = 60;
 /// Relative residual at which the definiteness of a matrix counts as shown.
 const DEFINITENESS_TOLERANCE: f64 = 1e-8;
 /// Relative residual of the inverse iterations before the last, which only turn a vector towards the softest mode.
@@ -252,7 +254,15 @@ impl Direct {
         if refined.converged() || refined.residual <= 1e3 * accuracy.residual || settled(system, fresh, b, &x) {
             return Ok(x);
         }
-        Err(LinearError::Singular { residual: refined.residual, wanted: accuracy.residual })
+        let failed = |residual: f64| LinearError::Singular { residual, wanted: accuracy.residual };
+        if system.maxima() == 0 {
+            return Err(failed(refined.residual));
+        }
+        // pivots are chosen within fronts: where one of a field with a maximum grew, the factor is no more than a preconditioner
+        let (x, found) = gmres(&multiply, fresh, b, accuracy.residual, MAX_GROWN_ITERATIONS);
+        work.back_substitutions += found.iterations;
+        let solved = found.converged() || settled(system, fresh, b, &x);
+        if solved { Ok(x) } else { Err(failed(refined.residual.min(found.residual))) }
     }
 
     /// Negative eigenvalues of the matrix that the factor held was made of, beyond those of the maxima of a system.
@@ -485,15 +495,4 @@ fn precondition(
 /// Whether the tolerance is met, or double precision allows no more not far from it.
 fn exact(cg: &CgReport, tolerance: f64) -> bool {
     cg.converged() || (cg.end == CgEnd::Stagnated && cg.residual <= 1e2 * tolerance)
-}
-
-/// Whether the factor's correction of x is below [`ROUNDING_ERROR`] of it: an estimate of the error, not of the residual.
-fn settled(system: &System, factor: &Factor, b: &[f64], x: &[f64]) -> bool {
-    let mut correction = vec![0.0; b.len()];
-    system.multiply(x, &mut correction);
-    correction.iter_mut().zip(b).for_each(|(r, b)| *r = b - *r);
-    factor.solve(&mut correction, 1);
-    let size = |v: &[f64]| v.iter().map(|v| v * v).sum::<f64>();
-    let (correction, x) = (size(&correction), size(x));
-    x.is_finite() && correction <= ROUNDING_ERROR * ROUNDING_ERROR * x
 }

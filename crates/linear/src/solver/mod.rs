@@ -10,6 +10,7 @@ mod general;
 mod joining;
 mod lu;
 mod multigrid;
+mod settled;
 mod shift;
 mod system;
 
