@@ -11,6 +11,7 @@ use nastic_language::number::short;
 pub(super) fn words(phase: &'static str) -> &'static str {
     match phase {
         "adjoint" => "derivative",
+        "cut" => "solving the design with each cell 0 or 1",
         "deflation" => "searching other equilibria",
         "descent" => "searching a minimum of the energy",
         "gradient_check" => "gradient check",

@@ -29,7 +29,7 @@ pub(super) fn solve(context: CommandContext<'_>, findings: &mut CommandFindings,
     if input.problem.case.time.as_ref().is_some_and(|time| time.tolerance.is_some()) {
         return not_solved(&"its time steps would have to be found anew; \"cut\" in the control and \"solve\" do it");
     }
-    findings.timed(console, "solve", |findings| match lowered(context, document) {
+    findings.timed(console, "cut", |findings| match lowered(context, document) {
         Ok(problem) => evaluated(&problem, context, findings, best),
         Err(why) => not_solved(&why),
     });
