@@ -64,6 +64,13 @@ while read -r page; do
   done < <(long_cells "$page")
 done < <(git ls-files '*.md')
 
+# As the last of the long steps (scripts/book.sh) would say of a page that no list of the book's contents holds.
+contents=docs/book/index.md
+while read -r page; do
+  name=${page#docs/}
+  grep -qxF -e "../${name%.md}" -e "../${name%/*}/*" "$contents" || complain "$page" "is in no list of $contents"
+done < <(git ls-files 'docs/*.md' 'docs/**/*.md' | sort -u | grep -v '^docs/book/')
+
 size=$(git ls-files -z '*.md' '*.ipynb' | python3 -c '
 import json, pathlib, sys
 
