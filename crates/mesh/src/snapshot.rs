@@ -1,6 +1,6 @@
 //! A mesh with named fields on it: what is written to files and drawn.
 
-use crate::{Mesh, MeshError, Polyline};
+use crate::{Mesh, MeshError, Polyline, RawMesh};
 use std::sync::Arc;
 
 /// A field with a name: `components` numbers per node or cell, entity after entity.
@@ -76,6 +76,32 @@ impl Snapshot {
         let array = array(name, components, values, self.mesh.cells())?;
         put(&mut self.cell_data, array);
         Ok(self)
+    }
+
+    /// Some cells as a mesh of their own, whose skin is all around them, with the fields there and the same lines and obstacles; `None` of no cell.
+    #[must_use]
+    pub fn of_cells(&self, is_kept: impl Fn(usize) -> bool) -> Option<Snapshot> {
+        let mut raw = RawMesh::new(self.mesh.name());
+        raw.points = self.mesh.points().to_vec();
+        let cells: Vec<usize> = (0..self.mesh.cells()).filter(|cell| is_kept(*cell)).collect();
+        for cell in &cells {
+            let cell = self.mesh.cell(*cell);
+            raw.push(cell.kind, cell.nodes, &[]);
+        }
+        let mesh = Mesh::build(raw).ok()?;
+        let of = |array: &NamedArray, entities: &mut dyn Iterator<Item = usize>| NamedArray {
+            values: entities.flat_map(|entity| array.at(entity).iter().copied()).collect(),
+            ..array.clone()
+        };
+        let nodes = || mesh.node_origin().iter().map(|node| *node as usize);
+        let cells = || mesh.cell_origin().iter().map(|cell| cells[*cell as usize]);
+        Some(Snapshot {
+            point_data: self.point_data.iter().map(|array| of(array, &mut nodes())).collect(),
+            cell_data: self.cell_data.iter().map(|array| of(array, &mut cells())).collect(),
+            lines: self.lines.clone(),
+            obstacles: self.obstacles.clone(),
+            mesh: Arc::new(mesh),
+        })
     }
 
     /// Rounds the fields of these names, nodal and cell-wise, to single precision, in which files then hold them.

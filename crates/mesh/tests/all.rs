@@ -14,6 +14,7 @@ mod parts;
 mod polyhedron;
 mod quadrature;
 mod quality;
+mod snapshots;
 mod spatial;
 mod spatial_hausdorff;
 mod spatial_self_intersection;

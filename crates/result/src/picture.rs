@@ -5,6 +5,7 @@ use crate::snapshot;
 use nastic_case::lower::{Admitted, CaseMember, ControlField, TargetShape, obstacle_shape};
 use nastic_control::{ControlBlock, Space};
 use nastic_io::WriteError;
+use nastic_language::schema::DesignKind;
 use nastic_mesh::{NamedArray, Snapshot};
 use nastic_picture::{Appearance, Body, Colour, Face, Field, Picture, Sheet};
 use nastic_report::record::{PLAIN_LINES, StateRecord, TENSED_LINES, number_of};
@@ -38,6 +39,8 @@ pub const SCENARIOS: usize = 2;
 pub const LOAD_CASES: usize = 4;
 /// Controlled fields that are drawn.
 const FIELDS: usize = 6;
+/// Density below which a cell of a body in space is void, and hides what is behind it.
+const VOID: f64 = 0.5;
 
 /// Writes `picture.png` and `picture.svg`; their names begin with the member's load case.
 ///
@@ -64,7 +67,9 @@ fn write_sheet(pictures: Vec<Picture>, name: impl Fn(&str) -> String + Sync, to:
 
 /// The pictures of a member: its state, once for every field that is controlled; further scenarios; their mean.
 pub fn compose(member: CaseMember<'_>, drawing: &Drawing<'_>) -> Vec<Picture> {
-    let (label, body) = drawing.body;
+    let (label, whole) = drawing.body;
+    let made = standing(member, whole);
+    let body = made.as_ref().unwrap_or(whole);
     let mut pictures: Vec<Picture> = appearances(member, body)
         .into_iter()
         .map(|appearance| {
@@ -73,6 +78,8 @@ pub fn compose(member: CaseMember<'_>, drawing: &Drawing<'_>) -> Vec<Picture> {
         })
         .collect();
     for (title, state) in &drawing.scenarios {
+        let made = standing(member, state);
+        let state = made.as_ref().unwrap_or(state);
         let Some(appearance) = appearances(member, state).into_iter().next() else { continue };
         let ground = ground(member, state, title, "", &[]);
         pictures.push(ground.body(with_marks(Body::of(label, state).appearance(appearance), state)));
@@ -87,6 +94,33 @@ pub fn compose(member: CaseMember<'_>, drawing: &Drawing<'_>) -> Vec<Picture> {
         pictures.push(ground.body(Body::of("mean", mean).appearance(Appearance::Field(field))));
     }
     pictures
+}
+
+/// What stands of a body in space whose densities leave voids: a picture of all of it would show its faces alone. `None` of others.
+fn standing(member: CaseMember<'_>, body: &Snapshot) -> Option<Snapshot> {
+    let is_density = |block: &ControlBlock| {
+        member.case().designs().any(|design| design.kind == DesignKind::Density && design.name == block.name)
+    };
+    if body.mesh.dim() == 2 {
+        return None;
+    }
+    let disc = member.solid().discretization();
+    let mut stands = vec![true; body.mesh.cells()];
+    for (block, field) in member.fields().filter(|(block, _)| is_density(block)) {
+        let acting: Vec<f64> = (0..disc.points().len()).map(|q| f64::from(u8::from(block.basis.acts_at(q)))).collect();
+        let acts = disc.cell_average(&acting, 1);
+        let at_cells = body.cell_array(&field.array);
+        let at_nodes = body.point_array(&field.array);
+        for (cell, stands) in stands.iter_mut().enumerate().filter(|(cell, _)| acts[*cell] > 0.5) {
+            let nodes = &body.mesh.cell(cell).nodes[..body.mesh.cell(cell).kind.corners()];
+            let mean = |array: &NamedArray| {
+                nodes.iter().map(|node| array.values[*node as usize]).sum::<f64>() / nodes.len() as f64
+            };
+            let density = at_cells.map(|array| array.values[cell]).or_else(|| at_nodes.map(mean));
+            *stands &= density.is_none_or(|density| density >= VOID);
+        }
+    }
+    if stands.iter().all(|stands| *stands) { None } else { body.of_cells(|cell| stands[cell]) }
 }
 
 /// The pictures of modes: a state moved on along each, under its title, and the state itself as glass.
