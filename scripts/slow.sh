@@ -18,7 +18,7 @@ mkdir -p "$out"
 : >"$out/failed"
 
 # Longer than 15 s; the others are run by --quick too. What crawler and flick show in small is in grasp, shaken and the tests of motions and contact.
-slow_cases=(petal walk lift lift_block carry gripper_lift crawler flick)
+slow_cases=(petal walk lift lift_block carry gripper_lift crawler flick level t_two_loads saddle two_silicones compliant_gripper)
 # These end at their limit of iterations, exit code 4.
 limited_cases=(walk lift crawler carry)
 slow_examples=(robust_turgor t_magnet petal)
@@ -34,6 +34,7 @@ is_in() { # WORD LIST...
 is_tested_case() { # NAME
   # a page whose commands crates/cli/tests/tutorials.rs runs, expectations and all
   grep -qE "^nastic optimize examples/cases/$1\.json --out out/$1\$" docs/tutorials/*.md && return
+  grep -qF "= shipped_case(\"$1.json\")" crates/run/tests/identify.rs && return
   grep -qE "met\(\"$1\"\)|shipped\(\"$1\.json\"\), \"$1\", &\[\]" tests/cases.rs
 }
 
@@ -150,6 +151,8 @@ if [ "$quick" = 0 ]; then
   run "nastic-petsc on 1 to 8 ranks, where there is PETSc" scripts/test-petsc.sh
   run "the container recipe, where docker or mmdebstrap is" scripts/test-container.sh
   NASTIC_SLOW=1 run "pressures between bodies" cargo test --release --workspace --locked --quiet --test all body_pressures::
+  NASTIC_SLOW=1 run "surfaces of further cells" cargo test --release --workspace --locked --quiet --test all surface_contact::
+  NASTIC_SLOW=1 run "starts that were interrupted" cargo test --release --workspace --locked --quiet --test all starts::
   NASTIC_SLOW=1 run "adjoints of long motions" cargo test --release --workspace --locked --quiet --test all motion_adjoint::
 fi
 [ ! -s "$out/failed" ] && echo "all as expected" && exit 0

@@ -77,7 +77,8 @@ fn are_differences(case: &str, step: f64, by: &str, wanted: &[&str]) -> Value {
     let names: Vec<&str> = all.iter().map(|one| one["name"].as_str().unwrap()).collect();
     assert!(wanted.iter().all(|name| names.contains(name)), "{names:?}");
     let controls = found["controls"].as_array().unwrap();
-    for j in 0..controls.len() {
+    // of many controls every third: each takes four runs
+    for j in (0..controls.len()).step_by(if controls.len() > 4 { 3 } else { 1 }) {
         let moved = |t: f64| {
             let mut moved: Value = serde_json::from_str(case).unwrap();
             let value = |k: usize| number(&controls[k], "/value") + if k == j { t * step } else { 0.0 };
@@ -215,7 +216,8 @@ fn sensitivities_of_chambers_are_differences() {
     let pressure = outputs(&found).into_iter().find(|one| one["name"] == "air.pressure").unwrap();
     let start = number(&pressure, "/value");
     let by_pressure = case(&format!(r#"{{ "of": "air", "space": "uniform", "start": {start:?} }}"#));
-    let found = are_differences(&by_pressure, 1e-3 * start, "tangents", &["position.z", "air.volume"]);
+    // the product with what was held to differences above does for the other
+    let found = gains(&CaseDirectory::new(), &by_pressure, &[]);
     let volume = outputs(&found).into_iter().find(|one| one["name"] == "air.volume").unwrap();
     let product = number(&volume, "/sensitivities/0") * number(&pressure, "/sensitivities/0");
     assert!((product - 1.0).abs() < 1e-6, "{product}");
