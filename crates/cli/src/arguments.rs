@@ -2,6 +2,7 @@
 
 use crate::compare::{Cloud, Compare};
 use crate::figure::Figure;
+use crate::remesh::Remesh;
 use clap::builder::{PossibleValue, PossibleValuesParser};
 use clap::{Args, Parser, Subcommand};
 use nastic_language::template::TEMPLATES;
@@ -99,6 +100,12 @@ pub enum Command {
     /// "1 GPa" }. A CSV file begins with its columns: stretch,nominal_stress [MPa]. Weighted least squares over all tests together; confidence
     /// intervals, stability, comparison by AICc and BIC, and blocks "materials" and "scenarios" to paste. Writes fit.json and fit.svg.
     Fit(Fit),
+    /// Mesh the cut design of an optimisation along its outline, with Gmsh, and solve it
+    ///
+    /// What optimize has found of densities, mixtures and electrodes is cut at the levels that keep their volumes; its outline, with the borders of materials and
+    /// regions, is meshed by simplices (Gmsh must be installed: pip install gmsh). Surfaces, regions, node sets and the fields of other controls are carried over.
+    /// Writes case.json with mesh.msh, a case of its own, solved/ and remesh.json, and compares the costs of the field, of its cut on the old mesh, and along the outline.
+    Remesh(Remesh),
     /// Make report.html from the files of a result directory: shapes in 3D, plots, figures, in one page that works offline
     ///
     /// solve and optimize write the same page at their end, unless --no-report is given.

@@ -7,10 +7,12 @@ use crate::arguments::{
 };
 use crate::key_tables;
 use crate::output::{self, Output};
+use crate::remesh::Remesh;
 use nastic_language::catalogue::Catalogue;
 use nastic_language::schema;
 use nastic_language::syntax::Diagnostic;
 use nastic_language::template::{Template, TemplateError};
+use nastic_remesh::RemeshError;
 use nastic_run::console::Console;
 use nastic_run::record::{ErrorRecord, ProblemRecord, RunRecord};
 use nastic_run::run;
@@ -89,6 +91,7 @@ impl<'c> Program<'c> {
             Command::Resume(interrupted) => self.on_directory(&interrupted),
             Command::Sweep(swept) => self.on_values(&swept),
             Command::Fit(data) => self.on_data(&data),
+            Command::Remesh(asked) => self.on_design(&asked),
             Command::Report(folder) => on_results(&folder),
             Command::Figure(figure) => figure.draw(),
             Command::Compare(compare) => compare.run(),
@@ -113,12 +116,7 @@ impl<'c> Program<'c> {
         let running = &case.running;
         Options {
             out: case.out.clone(),
-            threads: running.threads.map(usize::from),
             set: case.settings.clone(),
-            strict: running.strict,
-            no_report: running.no_report,
-            figure: running.figure,
-            explain: running.explain,
             analysis: asked.analysis,
             modes: asked.modes,
             restart: asked.restart,
@@ -126,7 +124,7 @@ impl<'c> Program<'c> {
             share: asked.share,
             team: self.team.clone(),
             cancel: self.cancelled_by_signals(),
-            ..Options::default()
+            ..running_options(running)
         }
     }
 
@@ -164,20 +162,42 @@ impl<'c> Program<'c> {
 
     fn on_directory(&self, Resume { directory, diagnosis, running }: &Resume) -> u8 {
         let options = Options {
-            threads: running.threads.map(usize::from),
-            strict: running.strict,
-            no_report: running.no_report,
-            figure: running.figure,
-            explain: running.explain,
             spectrum: spectrum(diagnosis),
             team: self.team.clone(),
             cancel: self.cancelled_by_signals(),
-            ..Options::default()
+            ..running_options(running)
         };
         let console = self.console(running);
         let outcome = resume(self.catalogue, directory, &options, &console);
         console.finish();
         self.answer("resume", running, outcome)
+    }
+
+    /// Meshes a cut design along its outline.
+    fn on_design(&self, asked: &Remesh) -> u8 {
+        let running = &asked.running;
+        let options = Options { cancel: self.cancelled_by_signals(), ..running_options(running) };
+        let console = self.console(running);
+        let outcome = nastic_remesh::remesh(self.catalogue, &asked.request(options), &console);
+        console.finish();
+        match outcome {
+            Ok((remeshed, exit)) => {
+                if running.json {
+                    print(&remeshed);
+                }
+                exit.code()
+            }
+            Err(RemeshError::Run(error)) => self.failed("remesh", running, &error),
+            Err(error) => {
+                let (exit, error) = (error.exit().code(), error.to_string());
+                complain(&error);
+                if running.json {
+                    let command = "remesh".to_owned();
+                    print(&ErrorRecord { command, exit, error, problems: None, last_good_state: None });
+                }
+                exit
+            }
+        }
     }
 
     /// Fits laws to test data.
@@ -297,6 +317,18 @@ fn begin(New { directory, template }: &New) -> u8 {
             let exit = if matches!(error, TemplateError::Write(_)) { Exit::NotWritten } else { Exit::BadInput };
             exit.code()
         }
+    }
+}
+
+/// How to run.
+fn running_options(running: &Running) -> Options {
+    Options {
+        threads: running.threads.map(usize::from),
+        strict: running.strict,
+        no_report: running.no_report,
+        figure: running.figure,
+        explain: running.explain,
+        ..Options::default()
     }
 }
 

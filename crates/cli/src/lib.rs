@@ -16,6 +16,7 @@ mod compare;
 mod figure;
 mod key_tables;
 mod output;
+mod remesh;
 
 use arguments::Arguments;
 use clap::Parser;

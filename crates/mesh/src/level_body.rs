@@ -34,6 +34,17 @@ impl ClosedSurface {
     }
 }
 
+/// The simplices of a [`LevelBody`], flat.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LevelSimplices {
+    /// Points, those of the mesh first.
+    pub points: Vec<[f64; 3]>,
+    /// The corners of each, three in the plane, four in space.
+    pub corners: Vec<Vec<u32>>,
+    /// The cell of the mesh that each is a part of.
+    pub owners: Vec<u32>,
+}
+
 /// A field s on some cells of a mesh, for the surface of what is above a level: `{ x : s(x) >= level }`.
 ///
 /// s is linear on simplices: tetrahedra and triangles are these themselves, hexahedra fall into 24 around the centres of cell and faces, quadrilaterals into 4;
@@ -48,6 +59,8 @@ pub struct LevelBody {
     /// The points of the mesh, which come first.
     pub(crate) nodes: usize,
     pub(crate) simplices: Arc<Vec<Simplex>>,
+    /// The cell of the mesh that each simplex is a part of.
+    pub(crate) owners: Arc<Vec<u32>>,
     /// The field at all points of the subdivision.
     pub(crate) values: Vec<f64>,
 }
@@ -93,7 +106,14 @@ impl LevelBody {
     pub fn of_nodes(mesh: &Mesh, cells: &[u32], values: Vec<f64>, thickness: f64) -> Self {
         let thickness = (mesh.dim() == 2).then_some(thickness);
         let nodes = mesh.points().len();
-        let mut body = LevelBody { thickness, points: Arc::default(), nodes, simplices: Arc::default(), values };
+        let mut body = LevelBody {
+            thickness,
+            points: Arc::default(),
+            nodes,
+            simplices: Arc::default(),
+            owners: Arc::default(),
+            values,
+        };
         body.divide(mesh, cells);
         body
     }
@@ -116,33 +136,46 @@ impl LevelBody {
         let own: BTreeSet<u32> = cells.iter().copied().collect();
         let others = (0..mesh.cells() as u32).filter(|cell| !own.contains(cell));
         let joined: BTreeSet<Vec<u32>> = others.flat_map(|cell| facets(mesh, cell)).map(|facet| key(&facet)).collect();
-        for cell in cells {
-            let (cell, own) = (mesh.cell(*cell as usize), facets(mesh, *cell));
-            let corners = &cell.nodes[..cell.kind.corners()];
-            let of = |facet: &[u32], side: usize| match (side == 1, joined.contains(&key(facet))) {
-                (false, _) => WallKind::Within,
-                (true, false) => WallKind::Skin,
-                (true, true) => WallKind::Joint,
-            };
-            if corners.len() == mesh.dim() + 1 {
-                let side = |facet: &Vec<u32>| of(facet, sides.get(&key(facet)).map_or(0, |side| side.0));
-                let own: Vec<_> = own.map(|facet| (side(&facet), facet)).collect();
-                Arc::make_mut(&mut self.simplices).extend(Simplex::of(corners, &own));
+        for id in cells {
+            let owned = self.simplices.len();
+            self.divide_cell(mesh, *id, &mut sides, &joined);
+            let more = self.simplices.len() - owned;
+            Arc::make_mut(&mut self.owners).extend(std::iter::repeat_n(*id, more));
+        }
+    }
+
+    fn divide_cell(
+        &mut self,
+        mesh: &Mesh,
+        cell: u32,
+        sides: &mut BTreeMap<Vec<u32>, (usize, Option<u32>)>,
+        joined: &BTreeSet<Vec<u32>>,
+    ) {
+        let (cell, own) = (mesh.cell(cell as usize), facets(mesh, cell));
+        let corners = &cell.nodes[..cell.kind.corners()];
+        let of = |facet: &[u32], side: usize| match (side == 1, joined.contains(&key(facet))) {
+            (false, _) => WallKind::Within,
+            (true, false) => WallKind::Skin,
+            (true, true) => WallKind::Joint,
+        };
+        if corners.len() == mesh.dim() + 1 {
+            let side = |facet: &Vec<u32>| of(facet, sides.get(&key(facet)).map_or(0, |side| side.0));
+            let own: Vec<_> = own.map(|facet| (side(&facet), facet)).collect();
+            Arc::make_mut(&mut self.simplices).extend(Simplex::of(corners, &own));
+            return;
+        }
+        let centre = self.centre(corners);
+        for facet in own {
+            let Some(side) = sides.get_mut(&key(&facet)) else { continue };
+            let kind = of(&facet, side.0);
+            if facet.len() == 2 {
+                Arc::make_mut(&mut self.simplices).push(Simplex::around(&[facet[0], facet[1]], centre, kind));
                 continue;
             }
-            let centre = self.centre(corners);
-            for facet in own {
-                let Some(side) = sides.get_mut(&key(&facet)) else { continue };
-                let kind = of(&facet, side.0);
-                if facet.len() == 2 {
-                    Arc::make_mut(&mut self.simplices).push(Simplex::around(&[facet[0], facet[1]], centre, kind));
-                    continue;
-                }
-                let middle = *side.1.get_or_insert_with(|| self.centre(&facet));
-                for (k, a) in facet.iter().enumerate() {
-                    let triangle = [*a, facet[(k + 1) % facet.len()], middle];
-                    Arc::make_mut(&mut self.simplices).push(Simplex::around(&triangle, centre, kind));
-                }
+            let middle = *side.1.get_or_insert_with(|| self.centre(&facet));
+            for (k, a) in facet.iter().enumerate() {
+                let triangle = [*a, facet[(k + 1) % facet.len()], middle];
+                Arc::make_mut(&mut self.simplices).push(Simplex::around(&triangle, centre, kind));
             }
         }
     }
@@ -163,13 +196,22 @@ impl LevelBody {
         ClosedSurface { points, triangles }
     }
 
+    /// Its simplices, with the points of the mesh at these positions: triangles of a plane body, counter-clockwise, tetrahedra in space, the fourth corner on the
+    /// inner side of the first three, which are counter-clockwise seen from outside.
+    #[must_use]
+    pub fn simplices(&self, positions: &[[f64; 3]]) -> LevelSimplices {
+        let corners = self.simplices.iter().map(|simplex| simplex.corners().copied().collect()).collect();
+        LevelSimplices { points: self.places(positions), corners, owners: self.owners.to_vec() }
+    }
+
     /// The surface of all of it.
     #[must_use]
     pub fn whole(&self, positions: &[[f64; 3]]) -> ClosedSurface {
         self.surface(positions, f64::NEG_INFINITY)
     }
 
-    pub(crate) fn clipped(&self, positions: &[[f64; 3]], level: f64) -> Clipped {
+    /// Where all points of the subdivision are.
+    fn places(&self, positions: &[[f64; 3]]) -> Vec<[f64; 3]> {
         let mut places = positions.to_vec();
         places.extend(self.points.iter().map(|of| {
             of.iter().fold([0.0; 3], |sum, (node, share)| {
@@ -177,6 +219,11 @@ impl LevelBody {
                 [0, 1, 2].map(|k| sum[k] + share * x[k])
             })
         }));
+        places
+    }
+
+    pub(crate) fn clipped(&self, positions: &[[f64; 3]], level: f64) -> Clipped {
+        let places = self.places(positions);
         let mut clipper = Clipper::new(&places, &self.values, level, self.thickness);
         for simplex in self.simplices.iter() {
             match simplex {

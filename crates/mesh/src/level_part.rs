@@ -27,13 +27,16 @@ impl LevelBody {
     /// Sides that two pieces share are divided alike, by the numbers of their points: parts of one body have no gaps, and none overlap.
     #[must_use]
     pub fn above(&self, level: f64) -> LevelBody {
-        let out = LevelBody { simplices: Arc::default(), ..self.clone() };
+        let out = LevelBody { simplices: Arc::default(), owners: Arc::default(), ..self.clone() };
         let mut cutter = Cutter { body: self, level, known: BTreeMap::new(), out };
-        for simplex in self.simplices.iter() {
+        for (simplex, owner) in self.simplices.iter().zip(self.owners.iter()) {
+            let owned = cutter.out.simplices.len();
             match simplex {
                 Simplex::Tetrahedron { corners, sides } => cutter.tetrahedron(corners, sides),
                 Simplex::Triangle { corners, sides } => cutter.triangle(*corners, *sides),
             }
+            let more = cutter.out.simplices.len() - owned;
+            Arc::make_mut(&mut cutter.out.owners).extend(std::iter::repeat_n(*owner, more));
         }
         cutter.out
     }

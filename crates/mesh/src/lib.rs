@@ -49,7 +49,7 @@ pub use error::{Fault, MeshError};
 pub use generate::{box_mesh, rectangle};
 pub use group_names::GroupNames;
 pub use least_width::LeastWidth;
-pub use level_body::{ClosedSurface, LevelBody};
+pub use level_body::{ClosedSurface, LevelBody, LevelSimplices};
 pub use level_piece::WallKind;
 pub use locate::Located;
 pub use measure::Measures;

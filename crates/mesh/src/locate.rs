@@ -33,17 +33,20 @@ impl Mesh {
     /// the weight one and is alone. `None` outside the body. Looks at every cell: meant for hundreds of points, not for
     /// millions.
     pub fn locate(&self, point: [f64; 3]) -> Option<Located> {
-        (0..self.cells()).find_map(|id| {
-            let cell = self.cell(id);
-            let positions = self.gather(self.points(), cell.nodes);
-            if let Some(node) = positions.iter().position(|x| *x == point) {
-                return Some(Located { cell: id, weights: vec![(cell.nodes[node], 1.0)] });
-            }
-            let xi = invert(cell.kind, &positions, point)?;
-            let mut shapes = vec![0.0; cell.kind.nodes()];
-            cell.kind.shapes(&xi, &mut shapes);
-            Some(Located { cell: id, weights: cell.nodes.iter().copied().zip(shapes).collect() })
-        })
+        (0..self.cells()).find_map(|id| self.locate_in(id, point))
+    }
+
+    /// The same of one cell.
+    pub fn locate_in(&self, id: usize, point: [f64; 3]) -> Option<Located> {
+        let cell = self.cell(id);
+        let positions = self.gather(self.points(), cell.nodes);
+        if let Some(node) = positions.iter().position(|x| *x == point) {
+            return Some(Located { cell: id, weights: vec![(cell.nodes[node], 1.0)] });
+        }
+        let xi = invert(cell.kind, &positions, point)?;
+        let mut shapes = vec![0.0; cell.kind.nodes()];
+        cell.kind.shapes(&xi, &mut shapes);
+        Some(Located { cell: id, weights: cell.nodes.iter().copied().zip(shapes).collect() })
     }
 
     /// [`locate`](Self::locate), with what is nearest in the place of nothing.

@@ -62,6 +62,11 @@ pub(crate) struct Cut {
 }
 
 impl Cut {
+    /// The volume that the field stands for, of a plate.
+    pub fn volume(&self) -> f64 {
+        self.volume
+    }
+
     /// Those of the designs between 0 and 1 that are fields over the body.
     fn all(problem: &CaseProblem, m: &[f64], stage: usize) -> Vec<Self> {
         let blocks = problem.ensemble.blocks().iter().zip(&problem.controls);
@@ -163,6 +168,14 @@ pub(crate) struct CutBody {
     pub level: f64,
 }
 
+impl CutBody {
+    /// Those of a control vector.
+    pub fn all(problem: &CaseProblem, m: &[f64], stage: usize) -> Vec<Self> {
+        let level = |cut: &Cut| cut.body.level_of_volume(problem.mesh().points(), cut.volume);
+        Cut::all(problem, m, stage).into_iter().map(|cut| CutBody { level: level(&cut), cut }).collect()
+    }
+}
+
 /// Where the points of the mesh are of a load case, in its first member.
 pub struct MemberShape<'a> {
     /// That member.
@@ -216,9 +229,7 @@ pub fn write(
 ) -> Result<CutDesigns, WriteError> {
     let scale = 10f64.powi(problem.units().length().exponent - EXPONENT_OF_MILLIMETRE);
     let mut files = DesignFiles { problem, shapes, directory: out, scale, told: CutDesigns::default() };
-    let level = |cut: &Cut| cut.body.level_of_volume(problem.mesh().points(), cut.volume);
-    let cuts = Cut::all(problem, m, stage).into_iter().map(|cut| CutBody { level: level(&cut), cut });
-    let cuts: Vec<CutBody> = cuts.collect();
+    let cuts = CutBody::all(problem, m, stage);
     for own in &cuts {
         let mut none = ControlRecord::default();
         let record = controls.get_mut(&own.cut.name).unwrap_or(&mut none);

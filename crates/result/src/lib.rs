@@ -15,7 +15,7 @@ pub mod files;
 pub mod inspection;
 mod least_widths;
 pub mod listed;
-mod made_body;
+pub mod made_body;
 pub mod member_report;
 pub mod picture;
 pub mod smoothing;

@@ -1,10 +1,11 @@
 //! The body as it is made, of the materials that its designs say: 3MF files, and directions of fields.
 
 use crate::cut_design::{Cut, CutBody, DesignFiles};
+use nastic_case::lower::CaseProblem;
 use nastic_control::ControlMap;
 use nastic_io::{PrintedBody, WriteError};
 use nastic_language::schema::{Case, Design, DesignKind, Material, MixedLaw};
-use nastic_mesh::{LevelBody, Mesh};
+use nastic_mesh::{LevelBody, LevelSimplices, Mesh};
 use std::collections::BTreeMap;
 
 /// A part of the body that is of one material.
@@ -16,11 +17,11 @@ struct Part {
     body: LevelBody,
 }
 
-/// Cells on which the same designs and the same materials act.
-#[derive(PartialEq, Eq, PartialOrd, Ord)]
+/// Cells of the same designs and the same regions.
+#[derive(Clone, PartialEq, Eq, PartialOrd, Ord)]
 struct Group {
     cuts: Vec<usize>,
-    materials: Vec<usize>,
+    regions: Vec<usize>,
 }
 
 /// Writes `design.3mf`, an object for each part of one material, and for every load case its deformed shape; nothing of a case without densities and mixtures.
@@ -34,7 +35,7 @@ pub(crate) fn write(files: &mut DesignFiles<'_>, cuts: &[CutBody]) -> Result<(),
         if own.is_empty() {
             continue;
         }
-        let parts = parts(member.case(), member.mesh(), &own);
+        let parts = parts_of_materials(member.case(), member.mesh(), &own);
         let mut put = |name: String, positions: &[[f64; 3]]| {
             let bodies: Vec<PrintedBody> = parts.iter().filter_map(|(part, of)| printed(part, of, positions)).collect();
             if bodies.is_empty() {
@@ -62,15 +63,25 @@ fn printed(part: &Part, material: &str, positions: &[[f64; 3]]) -> Option<Printe
 }
 
 /// The parts of the body, each with the name of its material.
-fn parts(case: &Case, mesh: &Mesh, cuts: &[&CutBody]) -> Vec<(Part, String)> {
+fn parts_of_materials(case: &Case, mesh: &Mesh, cuts: &[&CutBody]) -> Vec<(Part, String)> {
     let regions: Vec<Vec<u32>> =
         case.materials.iter().map(|material| mesh.cells_of(&material.region).unwrap_or_default()).collect();
+    let named = |(part, group): (Part, Group)| {
+        let materials = group.regions.iter().map(|k| name_of(&case.materials[*k], &part.second));
+        let name = materials.collect::<Vec<_>>().join(" + ");
+        (part, name)
+    };
+    parts(mesh, cuts, &regions).into_iter().map(named).collect()
+}
+
+/// The parts of the body by the regions and the designs that they belong to.
+fn parts(mesh: &Mesh, cuts: &[&CutBody], regions: &[Vec<u32>]) -> Vec<(Part, Group)> {
     let mut groups: BTreeMap<Group, Vec<u32>> = BTreeMap::new();
     for cell in 0..mesh.cells() as u32 {
         let has = |cells: &Vec<u32>| cells.binary_search(&cell).is_ok();
         let cuts = (0..cuts.len()).filter(|k| has(&cuts[*k].cut.cells)).collect();
-        let materials = (0..regions.len()).filter(|k| has(&regions[*k])).collect();
-        groups.entry(Group { cuts, materials }).or_default().push(cell);
+        let regions = (0..regions.len()).filter(|k| has(&regions[*k])).collect();
+        groups.entry(Group { cuts, regions }).or_default().push(cell);
     }
     let mut all = Vec::new();
     for (group, cells) in groups {
@@ -81,13 +92,69 @@ fn parts(case: &Case, mesh: &Mesh, cuts: &[&CutBody]) -> Vec<(Part, String)> {
             .cuts
             .iter()
             .fold(vec![whole], |parts, k| parts.into_iter().flat_map(|part| divided(part, cuts[*k])).collect());
-        all.extend(made.into_iter().map(|part| {
-            let materials = group.materials.iter().map(|k| name_of(&case.materials[*k], &part.second));
-            let name = materials.collect::<Vec<_>>().join(" + ");
-            (part, name)
-        }));
+        all.extend(made.into_iter().map(|part| (part, group.clone())));
     }
     all
+}
+
+/// The body as its densities, mixtures and electrodes make it, at the levels at which their parts have the volumes that the fields stand for; `regions` are lists
+/// of cells, ascending, on whose borders parts end too. Those of load cases alone are left out.
+#[must_use]
+pub fn made_parts(problem: &CaseProblem, (m, stage): (&[f64], usize), regions: &[Vec<u32>]) -> MadeBody {
+    let cuts: Vec<CutBody> =
+        CutBody::all(problem, m, stage).into_iter().filter(|own| own.cut.load_case.is_none()).collect();
+    let own: Vec<&CutBody> = cuts.iter().collect();
+    let mesh = problem.mesh();
+    let made = |(part, group): (Part, Group)| {
+        let mixed = group.cuts.iter().filter(|k| cuts[**k].cut.is_mixture).map(|k| cuts[*k].cut.of.clone());
+        let simplices = part.body.simplices(mesh.points());
+        let Part { names, second, .. } = part;
+        MadePart { simplices, regions: group.regions.clone(), names, second, mixed: mixed.collect() }
+    };
+    let parts = parts(mesh, &own, regions).into_iter().map(made).collect();
+    let design = |own: &CutBody| {
+        let across = if mesh.dim() == 2 { own.cut.thickness } else { 1.0 };
+        let (name, of, level) = (own.cut.name.clone(), own.cut.of.clone(), own.level);
+        MadeDesign { name, of, level, volume: own.cut.volume() / across }
+    };
+    MadeBody { parts, designs: cuts.iter().map(design).collect() }
+}
+
+/// A body as its designs make it.
+#[derive(Clone, Debug)]
+pub struct MadeBody {
+    /// Its parts; void is none of them.
+    pub parts: Vec<MadePart>,
+    /// The designs that were cut.
+    pub designs: Vec<MadeDesign>,
+}
+
+/// A design that was cut.
+#[derive(Clone, Debug)]
+pub struct MadeDesign {
+    /// The name of its control.
+    pub name: String,
+    /// Its own name.
+    pub of: String,
+    /// Where it was cut.
+    pub level: f64,
+    /// The volume that its field stands for, of a plane body the area.
+    pub volume: f64,
+}
+
+/// A part of such a body.
+#[derive(Clone, Debug)]
+pub struct MadePart {
+    /// What it is made of.
+    pub simplices: LevelSimplices,
+    /// Which of the given regions it lies in.
+    pub regions: Vec<usize>,
+    /// The names of the designs' controls: of what is above its level, with `_rest` of a mixture that is below.
+    pub names: Vec<String>,
+    /// The mixtures and electrodes that act on it.
+    pub mixed: Vec<String>,
+    /// Those of them that are above their level there: the second law, what is covered.
+    pub second: Vec<String>,
 }
 
 /// What a design leaves of a part: of a density what is filled, of a mixture both.

@@ -43,7 +43,7 @@ mod terminal;
 mod time_steps;
 mod unmet;
 
-pub use commands::{resume, run, run_document, run_with, thread_pool};
+pub use commands::{case_of, resume, run, run_document, run_with, thread_pool};
 pub use error::{Exit, RunError};
 pub use fit::{FitOutcome, fit, fit_with};
 pub use frames::frames;

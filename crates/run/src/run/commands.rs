@@ -130,6 +130,14 @@ pub fn resume(
     })
 }
 
+/// The case of an optimisation as it was run, from the checkpoint in its output directory.
+///
+/// # Errors
+/// [`RunError::Checkpoint`], as [`resume`].
+pub fn case_of(catalogue: &Catalogue, directory: &Path) -> Result<Document, RunError> {
+    resumption::read(directory, None)?.1.case.reopen(catalogue, directory)
+}
+
 /// The threads of a command, all processors if `None`. What the environment limits (memory) is read before anything is done.
 ///
 /// # Errors
