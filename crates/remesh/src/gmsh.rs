@@ -2,6 +2,7 @@
 
 use crate::error::RemeshError;
 use crate::outline::Outline;
+use nastic_io::WriteError;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::io::ErrorKind;
@@ -14,6 +15,8 @@ pub(crate) const GEOMETRY: &str = "outline.geo";
 const TRIANGLES: &str = "outline.msh";
 /// What Gmsh makes.
 pub(crate) const MESH: &str = "mesh.msh";
+/// Until it is complete.
+const PART: &str = "mesh.part.msh";
 /// How many of Gmsh's last lines an error repeats.
 const LAST_LINES: usize = 8;
 
@@ -60,7 +63,7 @@ impl Order<'_> {
         let Order { size, order, .. } = self;
         format!(
             "General.NumThreads = 1;\nMesh.MeshSizeMax = {size};\nMesh.MeshSizeExtendFromBoundary = 1;\nMesh.ElementOrder = {order};\n\
-             Mesh.SecondOrderLinear = 1;\nMesh.Optimize = 1;\nMesh.MshFileVersion = 4.1;\n"
+             Mesh.SecondOrderLinear = 1;\nMesh.Optimize = 1;\nMesh.OptimizeNetgen = 1;\nMesh.MshFileVersion = 4.1;\n"
         )
     }
 
@@ -221,16 +224,15 @@ fn area(edges: &[Edge], points: &[[f64; 3]]) -> f64 {
 
 /// Runs Gmsh on the geometry. Its exit code says nothing: it is 0 after errors too.
 fn run(program: &Path, directory: &Path, dim: usize) -> Result<(), RemeshError> {
-    // an earlier one would stand for what Gmsh has not made
-    let mesh = directory.join(MESH);
-    match std::fs::remove_file(&mesh) {
-        Err(error) if error.kind() != ErrorKind::NotFound => {
-            return Err(nastic_io::WriteError::System { file: mesh, source: error }.into());
-        }
+    // an earlier mesh stays until there is another
+    let (part, mesh) = (directory.join(PART), directory.join(MESH));
+    let system = |source| WriteError::System { file: part.clone(), source };
+    match std::fs::remove_file(&part) {
+        Err(error) if error.kind() != ErrorKind::NotFound => return Err(system(error).into()),
         _ => {}
     }
     let dim = format!("-{dim}");
-    let output = Command::new(program).current_dir(directory).args([GEOMETRY, &dim, "-o", MESH, "-v", "2"]).output();
+    let output = Command::new(program).current_dir(directory).args([GEOMETRY, &dim, "-o", PART, "-v", "2"]).output();
     let program = program.to_owned();
     let output = match output {
         Err(error) if error.kind() == ErrorKind::NotFound => return Err(RemeshError::NoGmsh { program }),
@@ -239,8 +241,8 @@ fn run(program: &Path, directory: &Path, dim: usize) -> Result<(), RemeshError> 
     };
     let text = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
     let is_error = |line: &str| line.trim_start().starts_with("Error");
-    if output.status.success() && mesh.is_file() && !text.lines().any(is_error) {
-        return Ok(());
+    if output.status.success() && part.is_file() && !text.lines().any(is_error) {
+        return std::fs::rename(&part, &mesh).map_err(|source| system(source).into());
     }
     let lines: Vec<&str> = text.lines().filter(|line| !line.trim().is_empty()).collect();
     // of its own errors those, else what it said last

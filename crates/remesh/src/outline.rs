@@ -8,7 +8,7 @@ const SHORT_EDGE: f64 = 0.6;
 /// Longer ones are not made by that, and in space divided.
 const LONG_EDGE: f64 = 1.5;
 /// A removed point lies within this share of the size of cells from what is left.
-pub(crate) const TOLERANCE: f64 = 0.05;
+pub(crate) const TOLERANCE: f64 = 0.1;
 /// The cosine of the angle by which no triangle turns: 45 degrees.
 const LEAST_COSINE: f64 = 0.7;
 /// No triangle becomes flatter than this height over its longest edge, unless it was.
@@ -135,10 +135,13 @@ impl Outline {
         self.neighbours(node).into_iter().filter(is_ridge).collect()
     }
 
-    /// Whether a point may go to a neighbour without that patches end elsewhere.
+    /// Whether a point may go to a neighbour without that patches end elsewhere, by more than the tolerance.
     fn may_go(&self, node: u32, to: u32) -> bool {
         if self.kept.contains(&node) {
             return false;
+        }
+        if self.distance(node, to) < TOLERANCE * self.size {
+            return true;
         }
         if self.dim == 2 {
             let own = &self.around[node as usize];
@@ -175,7 +178,13 @@ impl Outline {
             return false;
         }
         let made: Vec<Vec<u32>> = stays.iter().map(|k| replaced(&self.facets[*k].0, node, to)).collect();
-        if !stays.iter().zip(&made).all(|(k, made)| self.may_become(&self.facets[*k].0, made, to)) {
+        let is_short = self.distance(node, to) < TOLERANCE * self.size;
+        let may = |(k, made): (&usize, &Vec<u32>)| {
+            let (old, patch) = &self.facets[*k];
+            let around = if self.dim == 3 { self.normal_around(*patch, [node, to]) } else { [0.0; 3] };
+            self.may_become((old, made), to, around, is_short)
+        };
+        if !stays.iter().zip(&made).all(may) {
             return false;
         }
         if !self.is_near(node, to, &own, &made, &of_node) {
@@ -196,18 +205,32 @@ impl Outline {
         true
     }
 
-    /// Whether a facet may become another: no long edge, not turned, not flat.
-    fn may_become(&self, old: &[u32], made: &[u32], to: u32) -> bool {
+    /// Whether a facet may become another: no long edge, not turned from its direction or, of a sliver and where the point moves by less than the tolerance, from that
+    /// around, and not flat.
+    fn may_become(&self, (old, made): (&[u32], &[u32]), to: u32, around: [f64; 3], is_short: bool) -> bool {
         if made.iter().any(|other| self.distance(*other, to) > LONG_EDGE * self.size) {
             return false;
         }
         if self.dim == 2 {
             return true;
         }
-        let [before, after] = [old, made].map(|nodes| self.normal(nodes));
+        let after = self.normal(made);
+        if is_short {
+            return dot(around, after) > 0.0;
+        }
         let [flat, flatter] = [old, made].map(|nodes| self.height(nodes));
+        // a sliver has no direction of its own
+        let is_sliver = flat * self.longest(old) < TOLERANCE * self.size;
+        let before = if is_sliver { around } else { self.normal(old) };
         dot(before, after) >= LEAST_COSINE * length(before) * length(after)
             && (flatter >= LEAST_HEIGHT || flatter >= flat)
+    }
+
+    /// The sum of the normals of a patch around two points.
+    fn normal_around(&self, patch: usize, ends: [u32; 2]) -> [f64; 3] {
+        let facets: BTreeSet<usize> = ends.iter().flat_map(|node| self.around[*node as usize].iter().copied()).collect();
+        let own = facets.into_iter().filter(|k| self.facets[*k].1 == patch);
+        own.map(|k| self.normal(&self.facets[k].0)).fold([0.0; 3], |sum, n| [0, 1, 2].map(|k| sum[k] + n[k]))
     }
 
     /// Twice the area, along the normal.
@@ -216,9 +239,13 @@ impl Outline {
         cross(minus(at(1), at(0)), minus(at(2), at(0)))
     }
 
+    fn longest(&self, nodes: &[u32]) -> f64 {
+        (0..3).map(|k| self.distance(nodes[k], nodes[(k + 1) % 3])).fold(0.0, f64::max)
+    }
+
     /// Of a triangle over its longest edge, as a share of that.
     fn height(&self, nodes: &[u32]) -> f64 {
-        let longest = (0..3).map(|k| self.distance(nodes[k], nodes[(k + 1) % 3])).fold(0.0, f64::max);
+        let longest = self.longest(nodes);
         if longest > 0.0 { length(self.normal(nodes)) / (longest * longest) } else { 0.0 }
     }
 

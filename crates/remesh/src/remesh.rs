@@ -18,6 +18,7 @@ use nastic_result::controls::control_values;
 use nastic_result::cut_design::cut_case;
 use nastic_result::made_body::{MadeBody, made_parts};
 use nastic_run::run::{Exit, Options, Outcome, run_document, run_with};
+use serde::Serialize;
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -134,8 +135,7 @@ pub fn remesh(
     remeshed.compare();
     remeshed.warnings.iter().for_each(|warning| console.say(format!("warning     {warning}")));
     console.say(format!("\n{}\n\ncase        {}", remeshed.table(), remeshed.case));
-    let text = serde_json::to_string_pretty(&remeshed).unwrap_or_default() + "\n";
-    write_atomically(out.join("remesh.json"), |file| file.write_all(text.as_bytes()))?;
+    write_json(out.join("remesh.json"), &remeshed)?;
     Ok((remeshed, exit))
 }
 
@@ -298,6 +298,11 @@ fn write_case(optimum: &Optimum, case: &NewCase, new: &Arc<Mesh>, out: &Path) ->
         write_atomically(out.join(name), |file| file.write_all(text.as_bytes()))?;
     }
     Ok(())
+}
+
+fn write_json(file: PathBuf, value: &impl Serialize) -> Result<(), RemeshError> {
+    let text = serde_json::to_string_pretty(value).unwrap_or_default() + "\n";
+    Ok(write_atomically(file, |out| out.write_all(text.as_bytes()))?)
 }
 
 fn volumes(cut: &Cut, new: &Mesh) -> BTreeMap<String, DesignVolume> {
