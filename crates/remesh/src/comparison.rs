@@ -116,11 +116,12 @@ impl Remeshed {
         }
         let mut probes = Vec::new();
         numbers_within("", &self.meshed.probes, &mut probes);
-        for path in probes {
-            rows.push(row(
-                path.trim_start_matches('/'),
-                all.map(|own| own.probes.pointer(&path).and_then(Value::as_f64)),
-            ));
+        // where a probe is says its displacement, and of a plane body the third component nothing
+        for path in probes.iter().filter(|path| !path.contains("/point/") && !path.contains("/position/")) {
+            let values = all.map(|own| own.probes.pointer(path).and_then(Value::as_f64));
+            if values.iter().any(|value| value.is_some_and(|value| value != 0.0)) {
+                rows.push(row(path.trim_start_matches('/'), values));
+            }
         }
         for (name, own) in &self.volumes {
             rows.push(row(&format!("volume {name}"), [Some(own.field), Some(own.outline), Some(own.meshed)]));

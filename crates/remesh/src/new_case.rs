@@ -5,7 +5,7 @@ use crate::optimum::{Optimum, for_each_block};
 use nastic_case::lower::ControlField;
 use nastic_control::{ControlBlock, Space};
 use nastic_language::schema::{DesignKind, Material};
-use nastic_result::made_body::MadeBody;
+use nastic_result::made_body::{MadeBody, MadePart};
 use serde_json::{Map, Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -28,6 +28,17 @@ pub(crate) struct MadeRegion {
     pub above: Option<String>,
     /// The designs that divide the regions, the last one that is above its level counts.
     pub mixed: Vec<String>,
+    /// Designs that are above their levels there, whatever the others.
+    pub needs: Vec<String>,
+}
+
+impl MadeRegion {
+    /// Whether a part that lies in these regions belongs to it.
+    pub fn has(&self, part: &MadePart, within: &[&String]) -> bool {
+        self.within.iter().any(|name| within.contains(&name))
+            && winner(&self.mixed, &part.second) == self.above.as_ref()
+            && self.needs.iter().all(|design| part.second.contains(design))
+    }
 }
 
 /// A field of an array of the new [`FIELDS`].
@@ -69,7 +80,7 @@ impl NewCase {
         case.fields.extend(rebase(&mut case.json, &absolute));
         case.set_controls(optimum, made)?;
         case.set_materials(optimum, made);
-        case.set_actuation(optimum);
+        case.set_actuation(optimum, made);
         if let Some(root) = case.json.as_object_mut() {
             for key in ["surfaces", "regions"] {
                 root.remove(key);
@@ -183,6 +194,7 @@ impl NewCase {
                     within: within.clone(),
                     above: above.cloned(),
                     mixed: mixed.clone(),
+                    needs: Vec::new(),
                 });
                 blocks.push(made);
             }
@@ -197,33 +209,29 @@ impl NewCase {
         }
     }
 
-    /// Actuations act where electrodes cover them.
-    fn set_actuation(&mut self, optimum: &Optimum) {
+    /// Actuations act where mixtures and electrodes in front of them are above their levels; a density is 1 wherever there is a body.
+    fn set_actuation(&mut self, optimum: &Optimum, made: &MadeBody) {
         for block in self.json.get_mut("actuation").and_then(Value::as_array_mut).into_iter().flatten() {
-            let designs: Vec<String> = block["design"]
-                .as_array()
-                .into_iter()
-                .flatten()
-                .filter_map(|design| design["name"].as_str())
-                .filter(|name| optimum.cut.contains(*name))
-                .map(str::to_owned)
-                .collect();
-            let Some(above) = designs.first() else { continue };
+            let designs = block["design"].as_array().into_iter().flatten().filter_map(|design| design["name"].as_str());
+            let is_mixed = |name: &&str| made.parts.iter().any(|part| part.mixed.iter().any(|own| own == name));
+            let needs: Vec<String> = designs.filter(is_mixed).map(str::to_owned).collect();
             let within = match &block["region"] {
                 Value::String(name) => vec![name.clone()],
                 names => names.as_array().into_iter().flatten().filter_map(Value::as_str).map(str::to_owned).collect(),
             };
-            let name = format!("{}_{above}", block["name"].as_str().unwrap_or("actuation"));
+            let name = format!("{}_{}", block["name"].as_str().unwrap_or("actuation"), needs.join("_"));
             let Some(own) = block.as_object_mut() else { continue };
             remove_designs(own, &optimum.cut);
-            own.insert("region".to_owned(), json!(name));
-            self.regions.push(MadeRegion { name, within, above: Some(above.clone()), mixed: vec![above.clone()] });
+            if !needs.is_empty() {
+                own.insert("region".to_owned(), json!(name));
+                self.regions.push(MadeRegion { name, within, above: None, mixed: Vec::new(), needs });
+            }
         }
     }
 }
 
 /// The last of some designs that is above its level.
-pub(crate) fn winner<'a>(mixed: &'a [String], above: &[String]) -> Option<&'a String> {
+fn winner<'a>(mixed: &'a [String], above: &[String]) -> Option<&'a String> {
     mixed.iter().rev().find(|design| above.contains(design))
 }
 

@@ -8,7 +8,9 @@ const SHORT_EDGE: f64 = 0.6;
 /// Longer ones are not made by that, and in space divided.
 const LONG_EDGE: f64 = 1.5;
 /// A removed point lies within this share of the size of cells from what is left.
-pub(crate) const TOLERANCE: f64 = 0.1;
+pub(crate) const TOLERANCE: f64 = 0.05;
+/// Along edges shorter than this share of it patches may end elsewhere and facets turn.
+const TINY_EDGE: f64 = 0.1;
 /// The cosine of the angle by which no triangle turns: 45 degrees.
 const LEAST_COSINE: f64 = 0.7;
 /// No triangle becomes flatter than this height over its longest edge, unless it was.
@@ -135,12 +137,12 @@ impl Outline {
         self.neighbours(node).into_iter().filter(is_ridge).collect()
     }
 
-    /// Whether a point may go to a neighbour without that patches end elsewhere, by more than the tolerance.
+    /// Whether a point may go to a neighbour without that patches end elsewhere, by more than a tiny edge.
     fn may_go(&self, node: u32, to: u32) -> bool {
         if self.kept.contains(&node) {
             return false;
         }
-        if self.distance(node, to) < TOLERANCE * self.size {
+        if self.distance(node, to) < TINY_EDGE * self.size {
             return true;
         }
         if self.dim == 2 {
@@ -178,7 +180,7 @@ impl Outline {
             return false;
         }
         let made: Vec<Vec<u32>> = stays.iter().map(|k| replaced(&self.facets[*k].0, node, to)).collect();
-        let is_short = self.distance(node, to) < TOLERANCE * self.size;
+        let is_short = self.distance(node, to) < TINY_EDGE * self.size;
         let may = |(k, made): (&usize, &Vec<u32>)| {
             let (old, patch) = &self.facets[*k];
             let around = if self.dim == 3 { self.normal_around(*patch, [node, to]) } else { [0.0; 3] };
@@ -205,8 +207,8 @@ impl Outline {
         true
     }
 
-    /// Whether a facet may become another: no long edge, not turned from its direction or, of a sliver and where the point moves by less than the tolerance, from that
-    /// around, and not flat.
+    /// Whether a facet may become another: no long edge, not turned from its direction or, of a sliver and where the point moves along a tiny edge, from that around,
+    /// and not flat.
     fn may_become(&self, (old, made): (&[u32], &[u32]), to: u32, around: [f64; 3], is_short: bool) -> bool {
         if made.iter().any(|other| self.distance(*other, to) > LONG_EDGE * self.size) {
             return false;
@@ -220,7 +222,7 @@ impl Outline {
         }
         let [flat, flatter] = [old, made].map(|nodes| self.height(nodes));
         // a sliver has no direction of its own
-        let is_sliver = flat * self.longest(old) < TOLERANCE * self.size;
+        let is_sliver = flat * self.longest(old) < TINY_EDGE * self.size;
         let before = if is_sliver { around } else { self.normal(old) };
         dot(before, after) >= LEAST_COSINE * length(before) * length(after)
             && (flatter >= LEAST_HEIGHT || flatter >= flat)
@@ -228,7 +230,8 @@ impl Outline {
 
     /// The sum of the normals of a patch around two points.
     fn normal_around(&self, patch: usize, ends: [u32; 2]) -> [f64; 3] {
-        let facets: BTreeSet<usize> = ends.iter().flat_map(|node| self.around[*node as usize].iter().copied()).collect();
+        let facets: BTreeSet<usize> =
+            ends.iter().flat_map(|node| self.around[*node as usize].iter().copied()).collect();
         let own = facets.into_iter().filter(|k| self.facets[*k].1 == patch);
         own.map(|k| self.normal(&self.facets[k].0)).fold([0.0; 3], |sum, n| [0, 1, 2].map(|k| sum[k] + n[k]))
     }
@@ -303,7 +306,7 @@ impl Outline {
             2 => self.distance(nodes[0], nodes[1]),
             _ => 0.5 * length(self.normal(nodes)),
         })
-        .sum()
+        .fold(0.0, |sum, own| sum + own)
     }
 }
 

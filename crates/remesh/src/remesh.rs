@@ -4,7 +4,7 @@ use crate::comparison::{CarriedGroup, DesignVolume, Remeshed, Solved};
 use crate::error::RemeshError;
 use crate::gmsh::{Groups, Order};
 use crate::kept_body::KeptBody;
-use crate::new_case::{CASE, CONTROLS, FIELDS, FieldSource, NewCase, winner};
+use crate::new_case::{CASE, CONTROLS, FIELDS, FieldSource, NewCase};
 use crate::optimum::Optimum;
 use crate::outline::{Outline, TOLERANCE};
 use crate::transfer::Transfer;
@@ -136,7 +136,8 @@ pub fn remesh(
     remeshed.warnings.iter().for_each(|warning| console.say(format!("warning     {warning}")));
     console.say(format!("\n{}\n\ncase        {}", remeshed.table(), remeshed.case));
     write_json(out.join("remesh.json"), &remeshed)?;
-    Ok((remeshed, exit))
+    let is_warned = request.options.strict && exit == Exit::Done && !remeshed.warnings.is_empty();
+    Ok((remeshed, if is_warned { Exit::Warned } else { exit }))
 }
 
 /// Cuts the body where its designs are at their levels and where regions of the case end; also the case that goes with it, and the names that it holds.
@@ -198,10 +199,7 @@ fn regions(cut: &Cut, case: &NewCase, mesh: &Mesh) -> BTreeMap<String, BTreeSet<
         let (part, number) = (&cut.made.parts[piece.part], number as u32);
         let within: Vec<&String> = part.regions.iter().map(|k| &cut.regions[*k]).collect();
         let designs = part.names.iter().filter(|name| !mesh.regions().contains_key(*name));
-        let made = case.regions.iter().filter(|region| {
-            region.within.iter().any(|name| within.contains(&name))
-                && winner(&region.mixed, &part.second) == region.above.as_ref()
-        });
+        let made = case.regions.iter().filter(|region| region.has(part, &within));
         for name in within.iter().copied().chain(designs).chain(made.map(|region| &region.name)) {
             all.entry(name.clone()).or_default().insert(number);
         }
