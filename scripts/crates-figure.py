@@ -14,7 +14,7 @@ WIDTH, HEIGHT, ROW, COLUMN, MARGIN = 104, 26, 52, 132, 14
 # Groups with their colours, and the columns of their crates.
 GROUPS = {
     "programs": ("#d9e8f5", {"mpi": 2, "cli": 2, "python": 1, "nastic": 3}),
-    "cases": ("#e4ecd3", {"run": 2, "result": 2, "case": 2, "language": 2}),
+    "cases": ("#e4ecd3", {"remesh": 1, "run": 2, "result": 2, "case": 2, "language": 2}),
     "files and pictures": ("#f3e9d2", {"report": 0, "picture": 0, "io": 0}),
     "optimisation": ("#ecdff0", {"control": 2, "fields": 2, "ensemble": 1, "opt": 5, "hausdorff": 3, "uncertainty": 1}),
     "equilibria and motions": (

@@ -20,11 +20,10 @@ pub enum RemeshError {
         why: String,
     },
     /// Nothing was cut.
-    #[error("{}: none of its controls is a density, a mixture or an electrode by cell, node or grid that all load cases share: nothing is cut", directory.display())]
-    NoDesign {
-        /// The directory.
-        directory: PathBuf,
-    },
+    #[error(
+        "nothing is cut: no control of the optimum is a density, a mixture or an electrode over cells, nodes or a grid that all load cases share"
+    )]
+    NoDesign,
     /// No size of cells.
     #[error("a size of cells of {size}: a positive length is needed")]
     Size {
@@ -43,7 +42,7 @@ pub enum RemeshError {
     },
     /// A surface, region or node set of a support, load or anything else of the case is no more.
     #[error(
-        "{at}: nothing is left of the {kind} \"{name}\": the cut has removed it; hold the cells there by \"fixed\" in the design's control, or leave this out"
+        "{at}: nothing is left of the {kind} \"{name}\" on the outline: the cut has removed it; hold the cells there by \"fixed\" in the design's control, or leave this out"
     )]
     Gone {
         /// Where the case names it.

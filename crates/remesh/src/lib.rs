@@ -4,6 +4,7 @@
 //! [`remesh`] is the whole of it: an [`Optimum`] is cut into a [`KeptBody`], whose [`Outline`] is made coarse enough for the size of cells.
 
 mod comparison;
+mod cut;
 mod error;
 mod gmsh;
 mod kept_body;
@@ -12,6 +13,8 @@ mod optimum;
 mod outline;
 mod remesh;
 mod transfer;
+mod vector;
+mod written;
 
 pub use comparison::{CarriedGroup, DesignVolume, Remeshed, Solved};
 pub use error::RemeshError;

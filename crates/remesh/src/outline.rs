@@ -1,6 +1,7 @@
 //! [`Outline`]: where the pieces of a cut body end, made coarse enough for cells of a size.
 
-use crate::kept_body::{BorderFacet, cross, distance, dot, length, minus};
+use crate::kept_body::BorderFacet;
+use crate::vector::{cross, distance, dot, length, minus};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Edges shorter than this share of the size of cells are removed.

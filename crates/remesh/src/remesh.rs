@@ -1,27 +1,23 @@
 //! `nastic remesh`: a cut design meshed along its outline, and solved again.
 
 use crate::comparison::{CarriedGroup, DesignVolume, Remeshed, Solved};
+use crate::cut::{Cut, refuse_gone};
 use crate::error::RemeshError;
 use crate::gmsh::{Groups, Order};
-use crate::kept_body::KeptBody;
-use crate::new_case::{CASE, CONTROLS, FIELDS, FieldSource, NewCase};
+use crate::new_case::CASE;
 use crate::optimum::Optimum;
 use crate::outline::{Outline, TOLERANCE};
-use crate::transfer::Transfer;
-use nastic_io::write_atomically;
+use crate::vector::{length, minus};
+use crate::written::{write_case, write_json};
 use nastic_language::catalogue::Catalogue;
 use nastic_language::number::{count, short};
 use nastic_language::schema::Command;
-use nastic_mesh::{CellKind, Facet, Mesh, Snapshot};
+use nastic_mesh::{CellKind, Facet, Mesh};
 use nastic_report::console::Console;
-use nastic_result::controls::control_values;
 use nastic_result::cut_design::cut_case;
-use nastic_result::made_body::{MadeBody, made_parts};
 use nastic_run::run::{Exit, Options, Outcome, run_document, run_with};
-use serde::Serialize;
-use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// What is asked for.
@@ -37,15 +33,6 @@ pub struct RemeshRequest {
     pub gmsh: PathBuf,
     /// Of the solves.
     pub options: Options,
-}
-
-/// A cut design before it is meshed.
-struct Cut {
-    made: MadeBody,
-    body: KeptBody,
-    islands: Vec<f64>,
-    /// The regions of the old mesh that the case names.
-    regions: Vec<String>,
 }
 
 /// Meshes the optimum of a design along the outline at which it is cut, writes it as a case of its own and solves that.
@@ -66,49 +53,18 @@ pub fn remesh(
     let size = request.size.unwrap_or_else(|| mean_edge(&mesh));
     let out = request.out.clone().unwrap_or_else(|| request.directory.join("remeshed"));
     console.phase("cutting");
-    let (cut, case, names) = cut(&optimum, &mesh)?;
-    if cut.made.designs.is_empty() {
-        return Err(RemeshError::NoDesign { directory: request.directory.clone() });
-    }
-    let surfaces: Vec<(&String, &Vec<Facet>)> = mesh.surfaces().iter().collect();
-    let facets: Vec<&[Facet]> = surfaces.iter().map(|(_, facets)| facets.as_slice()).collect();
-    let border = cut.body.border(&mesh, &facets);
-    let at: BTreeMap<u32, u32> = (0..).zip(&cut.body.nodes).filter_map(|(k, node)| Some(((*node)?, k))).collect();
-    let on_border: BTreeSet<u32> = border.iter().flat_map(|facet| facet.nodes.iter().copied()).collect();
-    let mut groups =
-        Groups { surfaces: surfaces.iter().map(|(name, _)| (*name).clone()).collect(), ..Groups::default() };
-    for (name, nodes) in mesh.node_sets().iter().filter(|(name, _)| names.contains(*name)) {
-        let own = nodes.iter().filter_map(|node| at.get(node)).filter(|point| on_border.contains(point));
-        groups.nodes.insert(name.clone(), own.copied().collect());
-    }
-    let kept = groups.nodes.values().flatten().copied().collect();
-    let mut outline = Outline::new(cut.body.dim, &cut.body.points, &border, kept, size);
-    let removed = outline.simplify();
-    groups.regions = regions(&cut, &case, &mesh);
-    let carried: BTreeMap<String, CarriedGroup> = surfaces
-        .iter()
-        .enumerate()
-        .map(|(k, (name, facets))| {
-            let used = names.contains(*name);
-            ((*name).clone(), CarriedGroup { before: mesh.area(facets), after: outline.measure_of(k), used })
-        })
-        .collect();
-    let node_sets: BTreeMap<String, CarriedGroup> = groups
-        .nodes
-        .iter()
-        .map(|(name, nodes)| {
-            let before = mesh.node_sets().get(name).map_or(0, Vec::len) as f64;
-            (name.clone(), CarriedGroup { before, after: nodes.len() as f64, used: true })
-        })
-        .collect();
-    refuse_gone(&case.json, "surface", &carried)?;
-    refuse_gone(&case.json, "nodes", &node_sets)?;
+    let cut = Cut::of(&optimum, &mesh)?;
+    let shape = Shape::of(&cut, &mesh, size);
+    let (surfaces, node_sets) = shape.carried(&cut, &mesh);
+    refuse_gone(&cut.case.json, "surface", &surfaces)?;
+    refuse_gone(&cut.case.json, "nodes", &node_sets)?;
 
     console.phase("meshing");
     let order = order(&mesh);
-    let file = Order { outline: &outline, groups: &groups, size, order }.mesh(&request.gmsh, &out)?;
+    let Shape { outline, groups, removed } = &shape;
+    let file = Order { outline, groups, size, order }.mesh(&request.gmsh, &out)?;
     let new = Arc::new(nastic_io::read_mesh(&file, 1.0)?);
-    write_case(&optimum, &case, &new, &out)?;
+    write_case(&optimum, &cut.case, &new, &out)?;
 
     let mut remeshed = Remeshed {
         command: "remesh",
@@ -121,15 +77,15 @@ pub fn remesh(
         nodes: new.points().len(),
         volumes: volumes(&cut, &new),
         islands: cut.islands,
-        surfaces: carried,
+        surfaces,
         node_sets,
         field: Solved::default(),
         cut: Solved::default(),
         meshed: Solved::default(),
-        told: case.told,
+        told: cut.case.told,
         warnings: Vec::new(),
     };
-    tell(&mut remeshed, (&outline, removed), problem.units().length().symbol);
+    tell(&mut remeshed, (outline, *removed), problem.units().length().symbol);
     say(&remeshed, console);
     let exit = solve_all(catalogue, request, &optimum, &mut remeshed, console)?;
     remeshed.compare();
@@ -140,96 +96,47 @@ pub fn remesh(
     Ok((remeshed, if is_warned { Exit::Warned } else { exit }))
 }
 
-/// Cuts the body where its designs are at their levels and where regions of the case end; also the case that goes with it, and the names that it holds.
-fn cut(optimum: &Optimum, mesh: &Mesh) -> Result<(Cut, NewCase, BTreeSet<String>), RemeshError> {
-    let problem = &optimum.problem;
-    let case = NewCase::of(optimum, &made_parts(problem, (&problem.start, 0), &[]))?;
-    let mut names = BTreeSet::new();
-    names_within(&case.json, &mut names);
-    names.extend(case.regions.iter().flat_map(|region| region.within.iter().cloned()));
-    let named = mesh.regions().iter().filter(|(name, _)| names.contains(*name));
-    let (regions, cells): (Vec<String>, Vec<Vec<u32>>) =
-        named.map(|(name, cells)| (name.clone(), cells.clone())).unzip();
-    let made = made_parts(problem, (&problem.start, 0), &cells);
-    let mut body = KeptBody::of(mesh, &made.parts);
-    let islands = body.drop_islands(mesh, &held(&problem.document.json(), mesh));
-    if body.pieces.is_empty() {
-        return Err(RemeshError::Empty);
-    }
-    Ok((Cut { made, body, islands, regions }, case, names))
+/// What is meshed.
+struct Shape {
+    outline: Outline,
+    groups: Groups,
+    /// How many points the outline has less than the cut.
+    removed: usize,
 }
 
-/// The nodes that supports hold.
-fn held(case: &Value, mesh: &Mesh) -> BTreeSet<u32> {
-    let mut nodes = BTreeSet::new();
-    for support in case["supports"].as_array().into_iter().flatten() {
-        let names = |key: &str| {
-            let mut names = BTreeSet::new();
-            names_within(&support[key], &mut names);
-            names
+impl Shape {
+    fn of(cut: &Cut, mesh: &Mesh, size: f64) -> Self {
+        let facets: Vec<&[Facet]> = mesh.surfaces().values().map(Vec::as_slice).collect();
+        let border = cut.body.border(mesh, &facets);
+        let at: BTreeMap<u32, u32> = (0..).zip(&cut.body.nodes).filter_map(|(k, node)| Some(((*node)?, k))).collect();
+        let on_border: BTreeSet<u32> = border.iter().flat_map(|facet| facet.nodes.iter().copied()).collect();
+        let own = |nodes: &Vec<u32>| {
+            let points = nodes.iter().filter_map(|node| at.get(node)).filter(|point| on_border.contains(point));
+            points.copied().collect::<Vec<u32>>()
         };
-        for name in names("surface").into_iter().chain(names("nodes")) {
-            nodes.extend(mesh.surface(&name).map(|facets| mesh.nodes_of_facets(facets)).unwrap_or_default());
-            nodes.extend(mesh.node_set(&name).unwrap_or_default());
-        }
-        for name in names("region") {
-            nodes.extend(mesh.region(&name).map(|cells| mesh.nodes_of_cells(cells)).unwrap_or_default());
-        }
+        let named = mesh.node_sets().iter().filter(|(name, _)| cut.names.contains(*name));
+        let groups = Groups {
+            regions: cut.pieces_of_regions(mesh),
+            surfaces: mesh.surfaces().keys().cloned().collect(),
+            nodes: named.map(|(name, nodes)| (name.clone(), own(nodes))).collect(),
+        };
+        let kept = groups.nodes.values().flatten().copied().collect();
+        let mut outline = Outline::new(cut.body.dim, &cut.body.points, &border, kept, size);
+        let removed = outline.simplify();
+        Shape { outline, groups, removed }
     }
-    nodes
-}
 
-/// All texts within, keys too.
-fn names_within(value: &Value, found: &mut BTreeSet<String>) {
-    match value {
-        Value::String(text) => drop(found.insert(text.clone())),
-        Value::Array(all) => all.iter().for_each(|own| names_within(own, found)),
-        Value::Object(members) => members.iter().for_each(|(key, own)| {
-            found.insert(key.clone());
-            names_within(own, found);
-        }),
-        _ => {}
-    }
-}
-
-/// The pieces of all regions of the new mesh: those of the old one that are left, what designs fill, and those that materials need.
-fn regions(cut: &Cut, case: &NewCase, mesh: &Mesh) -> BTreeMap<String, BTreeSet<u32>> {
-    let mut all: BTreeMap<String, BTreeSet<u32>> = BTreeMap::new();
-    for (number, piece) in cut.body.pieces.iter().enumerate() {
-        let (part, number) = (&cut.made.parts[piece.part], number as u32);
-        let within: Vec<&String> = part.regions.iter().map(|k| &cut.regions[*k]).collect();
-        let designs = part.names.iter().filter(|name| !mesh.regions().contains_key(*name));
-        let made = case.regions.iter().filter(|region| region.has(part, &within));
-        for name in within.iter().copied().chain(designs).chain(made.map(|region| &region.name)) {
-            all.entry(name.clone()).or_default().insert(number);
-        }
-    }
-    all
-}
-
-/// Complains of groups that the case names and of which nothing is left.
-fn refuse_gone(case: &Value, key: &'static str, groups: &BTreeMap<String, CarriedGroup>) -> Result<(), RemeshError> {
-    let kind = if key == "surface" { "surface" } else { "node set" };
-    for (name, _) in groups.iter().filter(|(_, group)| group.used && group.after <= 0.0) {
-        if let Some(at) = place_of(case, key, name) {
-            return Err(RemeshError::Gone { at, kind, name: name.clone() });
-        }
-    }
-    Ok(())
-}
-
-/// Where a key has a name, or a list with it.
-fn place_of(value: &Value, key: &str, name: &str) -> Option<String> {
-    let below = |step: &str, own: &Value| {
-        place_of(own, key, name).map(|rest| if rest.is_empty() { step.to_owned() } else { format!("{step}/{rest}") })
-    };
-    match value {
-        Value::Object(members) => members.iter().find_map(|(own_key, own)| {
-            let has = |own: &Value| own == name || own.as_array().is_some_and(|all| all.iter().any(|one| one == name));
-            if own_key == key && has(own) { Some(key.to_owned()) } else { below(own_key, own) }
-        }),
-        Value::Array(all) => all.iter().enumerate().find_map(|(k, own)| below(&k.to_string(), own)),
-        _ => None,
+    /// What is left of surfaces and node sets.
+    fn carried(&self, cut: &Cut, mesh: &Mesh) -> (BTreeMap<String, CarriedGroup>, BTreeMap<String, CarriedGroup>) {
+        let surface = |(k, (name, facets)): (usize, (&String, &Vec<Facet>))| {
+            let used = cut.names.contains(name);
+            (name.clone(), CarriedGroup { before: mesh.area(facets), after: self.outline.measure_of(k), used })
+        };
+        let nodes = |(name, nodes): (&String, &Vec<u32>)| {
+            let before = mesh.node_sets().get(name).map_or(0, Vec::len) as f64;
+            (name.clone(), CarriedGroup { before, after: nodes.len() as f64, used: true })
+        };
+        (mesh.surfaces().iter().enumerate().map(surface).collect(), self.groups.nodes.iter().map(nodes).collect())
     }
 }
 
@@ -248,59 +155,12 @@ fn mean_edge(mesh: &Mesh) -> f64 {
             let corners = &local[..kind.corners()];
             for (k, a) in corners.iter().enumerate() {
                 let [a, b] = [*a, corners[(k + 1) % corners.len()]].map(|at| mesh.points()[cell.nodes[at] as usize]);
-                sum += crate::kept_body::length(crate::kept_body::minus(a, b));
+                sum += length(minus(a, b));
                 number += 1.0;
             }
         }
     }
     sum / number
-}
-
-/// Writes the case and the files that it names.
-fn write_case(optimum: &Optimum, case: &NewCase, new: &Arc<Mesh>, out: &Path) -> Result<(), RemeshError> {
-    let problem = &optimum.problem;
-    let old = problem.mesh();
-    if !case.fields.is_empty() {
-        let transfer = Transfer::new(old, new.clone());
-        let mut snapshot = Snapshot::new(new.clone());
-        for (name, field) in &case.fields {
-            snapshot = match field {
-                FieldSource::Control { values, components, by_node: true } => {
-                    snapshot.with_points(name, *components, transfer.nodes(values, *components)?)?
-                }
-                FieldSource::Control { values, components, .. } => {
-                    snapshot.with_cells(name, *components, transfer.cells(values, *components)?)?
-                }
-                FieldSource::File { file, array } => {
-                    let read = nastic_io::read_snapshot(file)?;
-                    match (read.point_array(array), read.cell_array(array)) {
-                        (Some(own), _) => {
-                            snapshot.with_points(name, own.components, transfer.nodes(&own.values, own.components)?)?
-                        }
-                        (_, Some(own)) => {
-                            snapshot.with_cells(name, own.components, transfer.cells(&own.values, own.components)?)?
-                        }
-                        // complained about when the case was read
-                        _ => snapshot,
-                    }
-                }
-            };
-        }
-        nastic_io::write_vtu(out.join(FIELDS), &snapshot)?;
-    }
-    let values = control_values(problem, &problem.start);
-    for (name, text) in
-        [(CONTROLS, serde_json::to_string_pretty(&values)), (CASE, serde_json::to_string_pretty(&case.json))]
-    {
-        let text = text.unwrap_or_default() + "\n";
-        write_atomically(out.join(name), |file| file.write_all(text.as_bytes()))?;
-    }
-    Ok(())
-}
-
-fn write_json(file: PathBuf, value: &impl Serialize) -> Result<(), RemeshError> {
-    let text = serde_json::to_string_pretty(value).unwrap_or_default() + "\n";
-    Ok(write_atomically(file, |out| out.write_all(text.as_bytes()))?)
 }
 
 fn volumes(cut: &Cut, new: &Mesh) -> BTreeMap<String, DesignVolume> {

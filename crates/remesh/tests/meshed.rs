@@ -125,7 +125,7 @@ fn controls_are_carried_over() {
         { "name": "far", "kind": "fiber_tension", "region": "body", "direction": [1, 0, 0] },
         { "name": "pull", "kind": "fiber_tension", "region": "body", "direction": [1, 0, 0] } ], "loads""#,
     );
-    let further = r#""controls": [ { "of": "along", "space": "cell", "start": "-0.3 kPa * X / (1 mm)", "filter": "3 mm", "upper": 0 },
+    let further = r#""controls": [ { "of": "along", "space": "cell", "start": "-3 kPa * min(1, max(0, X / (1 mm) - 9.5))", "filter": "3 mm", "upper": 0 },
         { "of": "far", "space": "node", "start": "-0.2 kPa * X / (1 mm)", "upper": 0 },
         { "of": "pull", "space": "uniform", "start": "-0.5 kPa", "upper": 0 }, "#;
     let place = Place::of(Command::Optimize, &with(&case, "\"controls\": [ ", further));
@@ -142,13 +142,15 @@ fn controls_are_carried_over() {
         assert!((value + 0.2e-3 * x[0]).abs() < 1e-9, "{x:?} {value}");
     }
     let by_cell = fields.cell_array("along").unwrap();
-    let half_a_cell = 1.0 * 0.3e-3;
+    // a step from 0 to -3 kPa, by the filter over 3 mm: one half of it goes by exp(-d / R)
     for (cell, value) in by_cell.values.iter().enumerate() {
-        let x = mesh.cell_centre(cell)[0];
-        if (8.0..12.0).contains(&x) {
-            assert!((value + 0.3e-3 * x).abs() < 1.2 * half_a_cell, "{x} {value}");
-        }
+        let distance = mesh.cell_centre(cell)[0] - 10.0;
+        let far = 0.5 * (-distance.abs() / 3.0).exp();
+        let expected = -3e-3 * if distance > 0.0 { 1.0 - far } else { far };
+        // cells of the old mesh are 2 mm long
+        assert!((value - expected).abs() < 0.6e-3, "{distance} {value} {expected}");
     }
+    assert!(by_cell.values.iter().any(|value| (-2.4e-3..-1.8e-3).contains(value)));
 }
 
 /// What nothing holds is dropped: a blob beside the bar; a smaller size makes more cells.

@@ -33,7 +33,9 @@ fn the_last_words_of_a_gmsh_that_fails() {
     use std::os::unix::fs::PermissionsExt;
     let place = Place::of(Command::Optimize, BAR);
     let program = place.path("gmsh_that_fails");
-    std::fs::write(&program, "#!/bin/sh\necho 'Info : reading'\necho 'Error : no facet left' >&2\n").unwrap();
+    // it ends well, and leaves a file
+    let script = "#!/bin/sh\necho 'Info : reading'\necho 'Error : no facet left' >&2\ntouch mesh.part.msh\n";
+    std::fs::write(&program, script).unwrap();
     std::fs::set_permissions(&program, std::fs::Permissions::from_mode(0o755)).unwrap();
     let mut request = place.request();
     request.gmsh = program;
