@@ -12,6 +12,7 @@ mod own_program;
 mod program;
 #[cfg(target_os = "linux")]
 mod progress;
+mod remesh;
 mod report;
 mod resume;
 mod signals;
