@@ -24,7 +24,8 @@ const EVEN: [[usize; 4]; 12] = [
 impl LevelBody {
     /// The part where the field is above the level, which other fields cut once more ([`with_values`](Self::with_values)). What was cut off is beyond its skin.
     ///
-    /// Sides that two pieces share are divided alike, by the numbers of their points: parts of one body have no gaps, and none overlap.
+    /// Sides that two pieces share are divided alike, by the numbers of their points, and so is the cut itself, seen from above and from below: parts of one body have
+    /// no gaps, and none overlap.
     #[must_use]
     pub fn above(&self, level: f64) -> LevelBody {
         let out = LevelBody { simplices: Arc::default(), owners: Arc::default(), ..self.clone() };
@@ -59,6 +60,7 @@ impl Cutter<'_> {
         // those above come first
         let sorted = |order: &&[usize; 4]| order.windows(2).all(|pair| is_above[pair[0]] >= is_above[pair[1]]);
         let Some(order) = EVEN.iter().find(sorted) else { return };
+        self.number_cuts(corners, &is_above);
         let parent = (order.map(|k| corners[k]), order.map(|k| sides[k]));
         let [a, b, c, d] = parent.0;
         let (at, cut) = (Edge::at, Edge::between);
@@ -71,6 +73,17 @@ impl Cutter<'_> {
             1 => self.push([at(a), cut(a, b), cut(a, c), cut(a, d)], &parent),
             _ => {}
         }
+    }
+
+    /// Numbers the points of the cut in the order of their edges: the same on both sides of it, whose facets are divided by these numbers.
+    fn number_cuts(&mut self, corners: &[u32; 4], is_above: &[bool; 4]) {
+        let pairs = (0..4).flat_map(|i| (0..i).map(move |j| (i, j)));
+        let cut = pairs.filter(|(i, j)| is_above[*i] != is_above[*j]);
+        let mut edges: Vec<Edge> = cut.map(|(i, j)| Edge::between(corners[i], corners[j])).collect();
+        edges.sort_unstable();
+        edges.into_iter().for_each(|edge| {
+            self.point(edge);
+        });
     }
 
     /// Three tetrahedra; each of the sides with four corners is divided from the corner of the smallest number (J. Dompierre, P. Labbe, M.-G. Vallet, R. Camarero,

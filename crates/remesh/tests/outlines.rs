@@ -81,6 +81,10 @@ fn a_ball_in_a_block() {
     assert_eq!(body.pieces.len(), 2);
     assert!((body.total() - 5.12).abs() < 1e-9, "{}", body.total());
     let (_, border) = border_of(&mesh, &body);
+    // what has nothing on the other side is on the skin of the block
+    for facet in border.iter().filter(|facet| facet.outside.is_none()) {
+        assert_eq!(facet.surfaces.len(), 1, "{facet:?}");
+    }
     let mut outline = Outline::new(3, &body.points, &border, BTreeSet::new(), 0.2);
     let short = outline.shortest_edge();
     outline.simplify();
