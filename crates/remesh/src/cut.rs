@@ -62,6 +62,17 @@ impl Cut {
         }
         all
     }
+
+    /// Complains of groups that the case names and of which nothing is left.
+    pub fn refuse_gone(&self, key: &'static str, groups: &BTreeMap<String, CarriedGroup>) -> Result<(), RemeshError> {
+        let kind = if key == "surface" { "surface" } else { "node set" };
+        for (name, _) in groups.iter().filter(|(_, group)| group.used && group.after <= 0.0) {
+            if let Some(at) = place_of(&self.case.json, key, name) {
+                return Err(RemeshError::Gone { at, kind, name: name.clone(), islands: self.islands.len() });
+            }
+        }
+        Ok(())
+    }
 }
 
 /// The nodes that supports hold.
@@ -95,21 +106,6 @@ pub(crate) fn names_within(value: &Value, found: &mut BTreeSet<String>) {
         }),
         _ => {}
     }
-}
-
-/// Complains of groups that the case names and of which nothing is left.
-pub(crate) fn refuse_gone(
-    case: &Value,
-    key: &'static str,
-    groups: &BTreeMap<String, CarriedGroup>,
-) -> Result<(), RemeshError> {
-    let kind = if key == "surface" { "surface" } else { "node set" };
-    for (name, _) in groups.iter().filter(|(_, group)| group.used && group.after <= 0.0) {
-        if let Some(at) = place_of(case, key, name) {
-            return Err(RemeshError::Gone { at, kind, name: name.clone() });
-        }
-    }
-    Ok(())
 }
 
 /// Where a key has a name, or a list with it.

@@ -42,7 +42,7 @@ pub enum RemeshError {
     },
     /// A surface, region or node set of a support, load or anything else of the case is no more.
     #[error(
-        "{at}: nothing is left of the {kind} \"{name}\" on the outline: the cut has removed it; hold the cells there by \"fixed\" in the design's control, or leave this out"
+        "{at}: nothing is left of the {kind} \"{name}\" on the outline: the cut has removed it, or left it on a piece that nothing holds ({islands} dropped); hold the cells there by \"fixed\" in the design's control, or leave this out"
     )]
     Gone {
         /// Where the case names it.
@@ -51,6 +51,8 @@ pub enum RemeshError {
         kind: &'static str,
         /// Its name.
         name: String,
+        /// How many pieces were dropped, as nothing holds them.
+        islands: usize,
     },
     /// All of the body was cut away.
     #[error("nothing is left of the body: the design is below its level everywhere, or no piece of it is held")]

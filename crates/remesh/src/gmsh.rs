@@ -240,7 +240,13 @@ fn run(program: &Path, directory: &Path, dim: usize) -> Result<(), RemeshError> 
         Ok(output) => output,
     };
     let text = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
-    let is_error = |line: &str| line.trim_start().starts_with("Error");
+    // a summary tells nothing more
+    let is_error = |line: &str| {
+        let said = line.trim_start().strip_prefix("Error").map(|said| said.trim_start_matches([' ', ':']));
+        said.is_some_and(|said| {
+            ["---", "Mesh generation error", "Check the full", "1 error"].iter().all(|start| !said.starts_with(start))
+        })
+    };
     if output.status.success() && part.is_file() && !text.lines().any(is_error) {
         return std::fs::rename(&part, &mesh).map_err(|source| system(source).into());
     }

@@ -14,6 +14,8 @@ pub(crate) const TOLERANCE: f64 = 0.05;
 const TINY_EDGE: f64 = 0.1;
 /// The cosine of the angle by which no triangle turns: 45 degrees.
 const LEAST_COSINE: f64 = 0.7;
+/// The cosine of the angle between facets below which one lies on the other: 8 degrees.
+const LARGEST_FOLD: f64 = 0.99;
 /// No triangle becomes flatter than this height over its longest edge, unless it was.
 const LEAST_HEIGHT: f64 = 0.15;
 /// Rounds over all edges, at most.
@@ -78,7 +80,7 @@ impl Outline {
         outline
     }
 
-    /// Removes points of short edges as long as all that were removed lie within [the tolerance](TOLERANCE) of what is left, ends of patches stay and no facet
+    /// Removes points of short edges as long as all that were removed lie within a twentieth of the size of what is left, ends of patches stay and no facet
     /// turns over; in space divides long edges. How many were removed.
     pub fn simplify(&mut self) -> usize {
         let mut count = 0;
@@ -177,10 +179,10 @@ impl Outline {
         let opposite: BTreeSet<u32> = gone.iter().flat_map(|k| self.facets[*k].0.iter().copied()).collect();
         let is_simple = of_node.intersection(&of_to).all(|common| opposite.contains(common));
         let is_loop = self.dim == 2 && of_node.iter().any(|other| *other != to && of_to.contains(other));
-        if !is_simple || is_loop {
+        let made: Vec<Vec<u32>> = stays.iter().map(|k| replaced(&self.facets[*k].0, node, to)).collect();
+        if !is_simple || is_loop || self.closes_a_gap(&made, &own) {
             return false;
         }
-        let made: Vec<Vec<u32>> = stays.iter().map(|k| replaced(&self.facets[*k].0, node, to)).collect();
         let is_short = self.distance(node, to) < TINY_EDGE * self.size;
         let may = |(k, made): (&usize, &Vec<u32>)| {
             let (old, patch) = &self.facets[*k];
@@ -206,6 +208,33 @@ impl Outline {
         moved.push(self.points[node as usize]);
         self.removed[to as usize].extend(moved);
         true
+    }
+
+    /// Whether facets that are made lie on others, those that go left out: of the same points, or at an edge turned from them by nearly nothing.
+    fn closes_a_gap(&self, made: &[Vec<u32>], gone: &[usize]) -> bool {
+        let nodes: BTreeSet<u32> = made.iter().flatten().copied().collect();
+        let near: BTreeSet<usize> = nodes.iter().flat_map(|node| self.around[*node as usize].iter().copied()).collect();
+        let others = near.iter().filter(|k| !gone.contains(k)).map(|k| &self.facets[*k].0);
+        let others: Vec<&Vec<u32>> = others.chain(made).collect();
+        made.iter().any(|own| others.iter().any(|other| !std::ptr::eq(*other, own) && self.is_folded(own, other)))
+    }
+
+    fn is_folded(&self, own: &[u32], other: &[u32]) -> bool {
+        let shared: Vec<u32> = own.iter().copied().filter(|node| other.contains(node)).collect();
+        let off = |nodes: &[u32]| nodes.iter().copied().find(|node| !shared.contains(node));
+        let (Some(a), Some(b)) = (off(own), off(other)) else { return true };
+        let Some(end) = shared.first().filter(|_| shared.len() + 1 == own.len()) else { return false };
+        let at = |node: u32| minus(self.points[node as usize], self.points[*end as usize]);
+        // of triangles the heights over the edge
+        let height = |node: u32| match shared.get(1).map(|second| at(*second)) {
+            Some(edge) => {
+                let share = dot(at(node), edge) / dot(edge, edge);
+                [0, 1, 2].map(|k| at(node)[k] - share * edge[k])
+            }
+            None => at(node),
+        };
+        let (a, b) = (height(a), height(b));
+        dot(a, b) > LARGEST_FOLD * length(a) * length(b)
     }
 
     /// Whether a facet may become another: no long edge, not turned from its direction or, of a sliver and where the point moves along a tiny edge, from that around,

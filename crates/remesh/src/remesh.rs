@@ -1,7 +1,7 @@
 //! `nastic remesh`: a cut design meshed along its outline, and solved again.
 
 use crate::comparison::{CarriedGroup, DesignVolume, Remeshed, Solved};
-use crate::cut::{Cut, refuse_gone};
+use crate::cut::Cut;
 use crate::error::RemeshError;
 use crate::gmsh::{Groups, Order};
 use crate::new_case::CASE;
@@ -56,8 +56,8 @@ pub fn remesh(
     let cut = Cut::of(&optimum, &mesh)?;
     let shape = Shape::of(&cut, &mesh, size);
     let (surfaces, node_sets) = shape.carried(&cut, &mesh);
-    refuse_gone(&cut.case.json, "surface", &surfaces)?;
-    refuse_gone(&cut.case.json, "nodes", &node_sets)?;
+    cut.refuse_gone("surface", &surfaces)?;
+    cut.refuse_gone("nodes", &node_sets)?;
 
     console.phase("meshing");
     let order = order(&mesh);
