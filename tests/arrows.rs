@@ -85,7 +85,8 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "result",
         ],
     ),
-    ("cli", &["language", "run", "team", "mesh", "io", "report"]),
+    ("remesh", &["numeric", "mesh", "io", "report", "control", "language", "case", "result", "run"]),
+    ("cli", &["language", "run", "remesh", "team", "mesh", "io", "report"]),
     ("python", &["mesh", "io", "report", "opt", "control", "ensemble", "language", "case", "run"]),
     (
         "nastic",

@@ -29,14 +29,14 @@ impl Cut {
     /// Cuts the body where its designs are at their levels and where regions of the case end; also the case that goes with it, and the names that it holds.
     pub fn of(optimum: &Optimum, mesh: &Mesh) -> Result<Self, RemeshError> {
         let problem = &optimum.problem;
-        let case = NewCase::of(optimum, &made_parts(problem, (&problem.start, 0), &[]))?;
+        let case = NewCase::of(optimum, &made_parts(problem, &problem.start, 0, &[]))?;
         let mut names = BTreeSet::new();
         names_within(&case.json, &mut names);
         names.extend(case.regions.iter().flat_map(|region| region.within.iter().cloned()));
         let named = mesh.regions().iter().filter(|(name, _)| names.contains(*name));
         let (regions, cells): (Vec<String>, Vec<Vec<u32>>) =
             named.map(|(name, cells)| (name.clone(), cells.clone())).unzip();
-        let made = made_parts(problem, (&problem.start, 0), &cells);
+        let made = made_parts(problem, &problem.start, 0, &cells);
         let mut body = KeptBody::of(mesh, &made.parts);
         let islands = body.drop_islands(mesh, &held(&problem.document.json(), mesh));
         if made.designs.is_empty() {

@@ -187,7 +187,7 @@ impl Outline {
         let may = |(k, made): (&usize, &Vec<u32>)| {
             let (old, patch) = &self.facets[*k];
             let around = if self.dim == 3 { self.normal_around(*patch, [node, to]) } else { [0.0; 3] };
-            self.may_become((old, made), to, around, is_short)
+            self.may_become(old, made, to, around, is_short)
         };
         if !stays.iter().zip(&made).all(may) {
             return false;
@@ -239,7 +239,7 @@ impl Outline {
 
     /// Whether a facet may become another: no long edge, not turned from its direction or, of a sliver and where the point moves along a tiny edge, from that around,
     /// and not flat.
-    fn may_become(&self, (old, made): (&[u32], &[u32]), to: u32, around: [f64; 3], is_short: bool) -> bool {
+    fn may_become(&self, old: &[u32], made: &[u32], to: u32, around: [f64; 3], is_short: bool) -> bool {
         if made.iter().any(|other| self.distance(*other, to) > LONG_EDGE * self.size) {
             return false;
         }

@@ -85,7 +85,7 @@ pub fn remesh(
         told: cut.case.told,
         warnings: Vec::new(),
     };
-    tell(&mut remeshed, (outline, *removed), problem.units().length().symbol);
+    tell(&mut remeshed, outline, *removed, problem.units().length().symbol);
     say(&remeshed, console);
     let exit = solve_all(catalogue, request, &optimum, &mut remeshed, console)?;
     remeshed.compare();
@@ -177,7 +177,7 @@ fn volumes(cut: &Cut, new: &Mesh) -> BTreeMap<String, DesignVolume> {
 }
 
 /// What was lost, and what is odd.
-fn tell(remeshed: &mut Remeshed, (outline, removed): (&Outline, usize), unit: &str) {
+fn tell(remeshed: &mut Remeshed, outline: &Outline, removed: usize, unit: &str) {
     let unit_of_volume = format!("{unit}^{}", outline.dim);
     remeshed.told.push(format!(
         "outline: {} at most {} {unit} off, {} removed, the shortest edge is {} {unit}",

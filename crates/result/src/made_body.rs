@@ -100,7 +100,7 @@ fn parts(mesh: &Mesh, cuts: &[&CutBody], regions: &[Vec<u32>]) -> Vec<(Part, Gro
 /// The body as its densities, mixtures and electrodes make it, at the levels at which their parts have the volumes that the fields stand for; `regions` are lists
 /// of cells, ascending, on whose borders parts end too. Those of load cases alone are left out.
 #[must_use]
-pub fn made_parts(problem: &CaseProblem, (m, stage): (&[f64], usize), regions: &[Vec<u32>]) -> MadeBody {
+pub fn made_parts(problem: &CaseProblem, m: &[f64], stage: usize, regions: &[Vec<u32>]) -> MadeBody {
     let cuts: Vec<CutBody> =
         CutBody::all(problem, m, stage).into_iter().filter(|own| own.cut.load_case.is_none()).collect();
     let own: Vec<&CutBody> = cuts.iter().collect();
