@@ -3,7 +3,7 @@
 use crate::comparison::CarriedGroup;
 use crate::error::RemeshError;
 use crate::kept_body::KeptBody;
-use crate::new_case::NewCase;
+use crate::new_case::{NewCase, new_region};
 use crate::optimum::Optimum;
 use nastic_mesh::Mesh;
 use nastic_result::made_body::{MadeBody, made_parts};
@@ -54,10 +54,12 @@ impl Cut {
         for (number, piece) in self.body.pieces.iter().enumerate() {
             let (part, number) = (&self.made.parts[piece.part], number as u32);
             let within: Vec<&String> = part.regions.iter().map(|k| &self.regions[*k]).collect();
-            let designs = part.names.iter().filter(|name| !mesh.regions().contains_key(*name));
+            let designs = part.names.iter().map(|name| new_region(mesh, name.clone()));
             let made = self.case.regions.iter().filter(|region| region.has(part, &within));
-            for name in within.iter().copied().chain(designs).chain(made.map(|region| &region.name)) {
-                all.entry(name.clone()).or_default().insert(number);
+            for name in
+                within.iter().map(|name| (*name).clone()).chain(designs).chain(made.map(|region| region.name.clone()))
+            {
+                all.entry(name).or_default().insert(number);
             }
         }
         all

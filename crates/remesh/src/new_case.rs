@@ -5,6 +5,7 @@ use crate::optimum::{Optimum, for_each_block};
 use nastic_case::lower::ControlField;
 use nastic_control::{ControlBlock, Space};
 use nastic_language::schema::{DesignKind, Material};
+use nastic_mesh::Mesh;
 use nastic_result::made_body::{MadeBody, MadePart};
 use serde_json::{Map, Value, json};
 use std::collections::{BTreeMap, BTreeSet};
@@ -161,7 +162,7 @@ impl NewCase {
 
     /// Materials without designs that are cut: of a mixture one for each law, the second ones behind all others.
     fn set_materials(&mut self, optimum: &Optimum, made: &MadeBody) {
-        let all = self.json["materials"].clone();
+        let (all, mesh) = (self.json["materials"].clone(), optimum.problem.mesh());
         let mut further = Vec::new();
         for (k, material) in optimum.problem.case.materials.iter().enumerate() {
             let block = &mut self.json["materials"][k];
@@ -184,7 +185,7 @@ impl NewCase {
             for above in
                 std::iter::once(None).chain(mixed.iter().map(Some)).filter(|above| !mixed.is_empty() && has(*above))
             {
-                let name = format!("{called}_{}", above.map_or("rest", String::as_str));
+                let name = new_region(mesh, format!("{called}_{}", above.map_or("rest", String::as_str)));
                 let first = self.json["materials"][k].clone();
                 let mut made =
                     above.map_or(first.clone(), |above| other_material(&all[k], &first, above, &all, material));
@@ -219,7 +220,8 @@ impl NewCase {
                 Value::String(name) => vec![name.clone()],
                 names => names.as_array().into_iter().flatten().filter_map(Value::as_str).map(str::to_owned).collect(),
             };
-            let name = format!("{}_{}", block["name"].as_str().unwrap_or("actuation"), needs.join("_"));
+            let name = block["name"].as_str().unwrap_or("actuation");
+            let name = new_region(optimum.problem.mesh(), format!("{name}_{}", needs.join("_")));
             let Some(own) = block.as_object_mut() else { continue };
             remove_designs(own, &optimum.cut);
             if !needs.is_empty() {
@@ -228,6 +230,14 @@ impl NewCase {
             }
         }
     }
+}
+
+/// A name that no region of the old mesh has.
+pub(crate) fn new_region(mesh: &Mesh, mut name: String) -> String {
+    while mesh.regions().contains_key(&name) {
+        name += "_cut";
+    }
+    name
 }
 
 /// The last of some designs that is above its level.

@@ -4,7 +4,7 @@ use crate::comparison::{CarriedGroup, DesignVolume, Remeshed, Solved};
 use crate::cut::Cut;
 use crate::error::RemeshError;
 use crate::gmsh::{Groups, Order};
-use crate::new_case::CASE;
+use crate::new_case::{CASE, new_region};
 use crate::optimum::Optimum;
 use crate::outline::{Outline, TOLERANCE};
 use crate::vector::{length, minus};
@@ -75,7 +75,7 @@ pub fn remesh(
         element: new.blocks().first().map_or_else(String::new, |block| block.kind.name().to_owned()),
         cells: new.cells(),
         nodes: new.points().len(),
-        volumes: volumes(&cut, &new),
+        volumes: volumes(&cut, &mesh, &new),
         islands: cut.islands,
         surfaces,
         node_sets,
@@ -163,10 +163,10 @@ fn mean_edge(mesh: &Mesh) -> f64 {
     sum / number
 }
 
-fn volumes(cut: &Cut, new: &Mesh) -> BTreeMap<String, DesignVolume> {
+fn volumes(cut: &Cut, old: &Mesh, new: &Mesh) -> BTreeMap<String, DesignVolume> {
     let of = |name: &String| {
         let pieces = cut.body.pieces.iter().filter(|piece| cut.made.parts[piece.part].names.contains(name));
-        let meshed = new.region_volume(name).unwrap_or_default();
+        let meshed = new.region_volume(&new_region(old, name.clone())).unwrap_or_default();
         (pieces.map(|piece| piece.volume).sum::<f64>(), meshed)
     };
     let designs = cut.made.designs.iter().map(|design| {

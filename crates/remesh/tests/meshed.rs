@@ -173,3 +173,25 @@ fn islands_are_dropped() {
         nastic_remesh::remesh(&Default::default(), &request, &nastic_report::console::Console::silent()).unwrap();
     assert!(fine.cells > 2 * coarse.cells, "{} {}", fine.cells, coarse.cells);
 }
+
+/// What was meshed may be a design again: its mesh has a region of the design's name already.
+#[test]
+fn a_mesh_that_was_made_is_cut_again() {
+    if !has_gmsh() {
+        return;
+    }
+    let place = Place::of(Command::Optimize, BAR);
+    place.remesh();
+    std::fs::copy(place.path("new/mesh.msh"), place.path("mesh.msh")).unwrap();
+    let mesh = "\"mesh\": { \"box\": { \"size\": [20, 8], \"cells\": [10, 5], \"element\": \"quad4\" } }";
+    let case = with(&with(BAR, mesh, "\"mesh\": \"mesh.msh\""), "\"1 - Y/8\"", "\"1 - Y/4\"");
+    let case = with(&case, "\"start\"", "\"lower\": 0, \"start\"");
+    let case = with(&case, "\"1 - Y/4\"", "\"max(0, 1 - Y/4)\"");
+    std::fs::remove_dir_all(place.path("out")).unwrap();
+    place.run(Command::Optimize, "again.json", &case);
+    let again = place.remesh();
+    let volume = &again.volumes["rho"];
+    assert!((volume.meshed - volume.outline).abs() < 0.4 && (volume.field - 40.0).abs() < 1.0, "{volume:?}");
+    // the ends, where it is drawn, are 4 % wider than the middle
+    assert!((again.meshed.cost.unwrap() / whole(BAR) - 1.0).abs() < 0.06, "{again:?}");
+}
