@@ -218,6 +218,9 @@ fn the_committed_meshes_are_what_their_scripts_say() {
         ("torus.msh", CellKind::Tet4, 2.0 * PI * PI * 59.4 * 28.4 * 28.4),
         // Caps of spheres, the outer one less the inner one.
         ("bowl.msh", CellKind::Tet4, PI / 3.0 * (40.0 * 40.0 * (138.0 - 40.0) - 34.0 * 34.0 * (120.0 - 34.0))),
+        ("disc.msh", CellKind::Hex27, PI * 20.0 * 20.0 * 2.0),
+        // As thick as the disc, its middle surface larger by a^2/4R^2 of the radius a, to second order.
+        ("saddle.msh", CellKind::Tet4, PI * 20.0 * 20.0 * 2.0 * (1.0 + 0.25 * (20.0f64 / 100.0).powi(2))),
         ("bilayer.msh", CellKind::Hex27, 32.0 * 8.0 * 0.6),
         ("tube.msh", CellKind::Hex20, PI * (8.0 * 8.0 - 6.0 * 6.0) * 60.0),
         ("manipulator.msh", CellKind::Tet10, PI * 1e-9 * (81.0 * 40.0 - 3.0 * 2.2 * 2.2 * 32.0)),
@@ -237,7 +240,8 @@ fn the_committed_meshes_are_what_their_scripts_say() {
             "torus.msh" => 0.07,
             "bowl.msh" => 0.01,
             "berry.msh" | "carry.msh" => 1e-5,
-            "tube.msh" => 1e-4,
+            "saddle.msh" => 0.003,
+            "tube.msh" | "disc.msh" => 1e-4,
             _ => 1e-6,
         };
         assert!((measure(&mesh) / volume - 1.0).abs() < tolerance, "{file}: {}", measure(&mesh));
