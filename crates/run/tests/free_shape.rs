@@ -57,6 +57,32 @@ fn derivatives_of_a_free_shape_are_right() {
     assert!(number(&checked, "gradcheck/second/lowest_order") > 2.95, "{checked}");
 }
 
+/// A beam that is held at both ends, whose back starts higher at one of them: drawn is the symmetric part. A plane across which nodes have no images is refused.
+#[test]
+fn a_skin_is_symmetric_where_it_shall_be() {
+    let symmetric = |beam: &str| with(beam, "\"space\": \"node\"", "\"space\": \"node\", \"symmetry\": [\"x\"]");
+    let held = with(BEAM, "\"supports\": [ { \"surface\": \"x-\"", "\"supports\": [ { \"surface\": [\"x-\", \"x+\"]");
+    let held = symmetric(&with(&held, "\"surface\": \"x+\", \"direction\"", "\"surface\": \"y-\", \"direction\""));
+    let place = CaseDirectory::new();
+    let checked = place.run(Command::Gradcheck, &held, &[]).unwrap().result;
+    assert!(number(&checked, "gradcheck/lowest_order") > 1.95, "{checked}");
+    place.run(Command::Solve, &held, &[]).unwrap();
+    let shown = nastic_io::read_snapshot(place.path("out/start.vtu")).unwrap();
+    let back = shown.point_array("back").unwrap();
+    let image_of = |x: &[f64; 3]| {
+        let is_there = |y: &&[f64; 3]| (y[0] + x[0] - 0.1).abs() < 1e-9 && (y[1] - x[1]).abs() < 1e-9;
+        shown.mesh.points().iter().position(|y| is_there(&y)).unwrap()
+    };
+    for (node, x) in shown.mesh.points().iter().enumerate() {
+        let (own, image) = (back.at(node), back.at(image_of(x)));
+        assert!((own[0] + image[0]).abs() < 1e-9 && (own[1] - image[1]).abs() < 1e-9, "{x:?} {own:?} {image:?}");
+    }
+    let largest = back.values.iter().fold(0.0, |largest: f64, s| largest.max(s.abs()));
+    assert!((0.3e-3..0.6e-3).contains(&largest), "{largest}");
+    let said = problems(&with(&symmetric(BEAM), "[\"x\"]", "[{ \"point\": [0.03, 0], \"normal\": [1, 0] }]"));
+    assert!(said.contains("controls/0/symmetry/0") && said.contains("has no mirror image"), "{said}");
+}
+
 /// What is written and what is said of it.
 #[test]
 fn bad_skins_are_refused_where_they_stand() {

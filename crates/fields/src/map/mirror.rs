@@ -29,15 +29,15 @@ impl Mirror {
     /// About a plane.
     ///
     /// # Errors
-    /// A normal without length; a field of vectors, or over points of a contribution; a place whose mirror image has no unknown; a plane in which all places lie.
+    /// A normal without length; a field of vectors; a place whose mirror image has no unknown; a plane in which all places lie.
     pub fn new(basis: &Basis, components: usize, plane: Plane) -> Result<Self, ControlError> {
         let fail = |what: String| Err(ControlError::Cost { what });
         let length = norm(&plane.normal);
         if !(length.is_finite() && length > 0.0) {
             return fail(format!("the normal {:?} of a plane of symmetry has no finite length but zero", plane.normal));
         }
-        if components > 1 || basis.is_of_contribution() {
-            return fail("symmetric are scalar fields over the body".to_owned());
+        if components > 1 {
+            return fail("symmetric are scalar fields".to_owned());
         }
         let normal = plane.normal.map(|n| n / length);
         let places = basis.positions();
