@@ -4,8 +4,8 @@ use crate::files::Directory;
 use crate::{least_widths, made_body};
 use nastic_case::lower::{CaseMember, CaseProblem};
 use nastic_case::warning::{CUT_VOLUME, Warning};
-use nastic_control::{ControlMap, Expansion};
-use nastic_fem::State;
+use nastic_control::{Basis, ControlMap, Expansion};
+use nastic_fem::{Discretization, State};
 use nastic_io::WriteError;
 use nastic_language::number::short;
 use nastic_language::schema::DesignKind;
@@ -83,10 +83,8 @@ impl Cut {
             }
             let map = own.field.clone().then(Expansion { basis: own.basis.clone(), components: 1 });
             let (disc, mesh) = (member.solid().discretization(), member.mesh());
-            let acting: Vec<f64> =
-                (0..disc.points().len()).map(|q| f64::from(u8::from(own.basis.acts_at(q)))).collect();
-            let (values, acts) = (disc.cell_average(&map.values(block.of(m)), 1), disc.cell_average(&acting, 1));
-            let cells: Vec<u32> = (0..mesh.cells() as u32).filter(|cell| acts[*cell as usize] > 0.5).collect();
+            let (values, acts) = (disc.cell_average(&map.values(block.of(m)), 1), acts_in(&own.basis, disc));
+            let cells: Vec<u32> = (0..mesh.cells() as u32).filter(|cell| acts[*cell as usize]).collect();
             let volumes = mesh.volumes(mesh.points());
             let of_cells = |all: &[f64]| cells.iter().map(|cell| all[*cell as usize]).collect::<Vec<_>>();
             let (values, volumes) = (of_cells(&values), of_cells(&volumes));
@@ -117,6 +115,12 @@ impl Cut {
         };
         blocks.filter_map(of).collect()
     }
+}
+
+/// Whether a field acts in each cell.
+pub(crate) fn acts_in(basis: &Basis, disc: &Discretization) -> Vec<bool> {
+    let acting: Vec<f64> = (0..disc.points().len()).map(|q| f64::from(u8::from(basis.acts_at(q)))).collect();
+    disc.cell_average(&acting, 1).into_iter().map(|share| share > 0.5).collect()
 }
 
 /// The level between the values of cells above which the cells have, as nearly as whole cells can, the volume `sum_k s_k V_k`.

@@ -1,6 +1,6 @@
 //! The body as it is made, of the materials that its designs say: 3MF files, and directions of fields.
 
-use crate::cut_design::{Cut, CutBody, DesignFiles};
+use crate::cut_design::{Cut, CutBody, DesignFiles, acts_in};
 use nastic_case::lower::CaseProblem;
 use nastic_control::ControlMap;
 use nastic_io::{PrintedBody, WriteError};
@@ -209,11 +209,9 @@ pub(crate) fn write_directions(
             continue;
         }
         let disc = member.solid().discretization();
-        let acting: Vec<f64> = (0..disc.points().len()).map(|q| f64::from(u8::from(own.basis.acts_at(q)))).collect();
-        let acts = disc.cell_average(&acting, 1);
+        let acts = acts_in(&own.basis, disc);
         let vectors = disc.cell_average(&target.map.values(&own.field.values(block.of(m))), 3);
-        let cells =
-            (0..mesh.cells() as u32).filter(|cell| acts[*cell as usize] > 0.5 && !is_void(*cell, field.load_case));
+        let cells = (0..mesh.cells() as u32).filter(|cell| acts[*cell as usize] && !is_void(*cell, field.load_case));
         let made = files.made(&field.name);
         let head = format!("x_mm,y_mm,z_mm,volume_mm{},e_x,e_y,e_z,length_{}\n", mesh.dim(), field.unit);
         let name = format!("directions_{}.csv", field.name);

@@ -1,5 +1,6 @@
 //! Pictures of start, target and result, for those who do not have ParaView open.
 
+use crate::cut_design::acts_in;
 use crate::files::Directory;
 use crate::snapshot;
 use nastic_case::lower::{Admitted, CaseMember, ControlField, TargetShape, obstacle_shape};
@@ -107,11 +108,10 @@ fn standing(member: CaseMember<'_>, body: &Snapshot) -> Option<Snapshot> {
     let disc = member.solid().discretization();
     let mut stands = vec![true; body.mesh.cells()];
     for (block, field) in member.fields().filter(|(block, _)| is_density(block)) {
-        let acting: Vec<f64> = (0..disc.points().len()).map(|q| f64::from(u8::from(block.basis.acts_at(q)))).collect();
-        let acts = disc.cell_average(&acting, 1);
+        let acts = acts_in(&block.basis, disc);
         let at_cells = body.cell_array(&field.array);
         let at_nodes = body.point_array(&field.array);
-        for (cell, stands) in stands.iter_mut().enumerate().filter(|(cell, _)| acts[*cell] > 0.5) {
+        for (cell, stands) in stands.iter_mut().enumerate().filter(|(cell, _)| acts[*cell]) {
             let nodes = &body.mesh.cell(cell).nodes[..body.mesh.cell(cell).kind.corners()];
             let mean = |array: &NamedArray| {
                 nodes.iter().map(|node| array.values[*node as usize]).sum::<f64>() / nodes.len() as f64
